@@ -8,6 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/math.h"
+
 /* Items 0 to n - 1 sorted by bucket; those of one bucket ascend. */
 typedef struct buckets {
   uint32_t *start; /* [number of buckets + 1] index in `item` of each bucket's first item */
@@ -25,7 +27,7 @@ void buckets_free(buckets *b);
 /* Returns the index, along a line of n grid cells, of the cell at x, or of the cell nearest to x if
  * x is outside the grid. x: distance from the lower end of the grid, in cell widths. */
 static inline size_t cell_nearest(double x, size_t n) {
-  return x > 0.0 ? (size_t)fmin(x, (double)(n - 1)) : 0;
+  return x > 0.0 ? (size_t)math_min(x, (double)(n - 1)) : 0;
 }
 
 /* Merges several ascending sequences ("runs") of keys, by a binary heap of their current

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #ifdef SD_HAVE_MPI
 #endif
@@ -67,8 +68,8 @@ static int longer_side(const point *p, size_t n) {
   double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
   for (size_t k = 0; k < n; k++)
     for (int c = 0; c < 2; c++) {
-      low[c] = fmin(low[c], p[k].at[c]);
-      high[c] = fmax(high[c], p[k].at[c]);
+      low[c] = math_min(low[c], p[k].at[c]);
+      high[c] = math_max(high[c], p[k].at[c]);
     }
   return high[1] - low[1] > high[0] - low[0];
 }

@@ -16,6 +16,7 @@
 #include <sys/sysinfo.h>
 #endif
 
+#include "base/math.h"
 #include "slipdisk/status.h"
 
 /* Size in bytes from which an allocation is compared with the available memory. */
@@ -94,9 +95,9 @@ static double group_limit(bool first_version, const char *folder, double swap) {
   static const char root[] = "/sys/fs/cgroup", old_root[] = "/sys/fs/cgroup/memory";
   if (!first_version)
     return group_number(root, folder, "memory.max") +
-           fmin(swap, group_number(root, folder, "memory.swap.max"));
-  return fmin(group_number(old_root, folder, "memory.limit_in_bytes") + swap,
-              group_number(old_root, folder, "memory.memsw.limit_in_bytes"));
+           math_min(swap, group_number(root, folder, "memory.swap.max"));
+  return math_min(group_number(old_root, folder, "memory.limit_in_bytes") + swap,
+                  group_number(old_root, folder, "memory.memsw.limit_in_bytes"));
 }
 
 /* Returns the smallest memory limit of a control group and of all groups above it. In a container
@@ -104,7 +105,7 @@ static double group_limit(bool first_version, const char *folder, double swap) {
 static double groups_limit(bool first_version, char *folder, double swap) {
   double least = HUGE_VAL;
   for (;;) {
-    least = fmin(least, group_limit(first_version, folder, swap));
+    least = math_min(least, group_limit(first_version, folder, swap));
     char *slash = strrchr(folder, '/');
     if (!slash) return least;
     *slash = 0;
@@ -124,7 +125,7 @@ static double control_groups_limit(double swap) {
     *path++ = 0;
     path[strcspn(path, "\n")] = 0;
     const bool second = strcmp(line, "0:") == 0, first = strstr(controllers, ":memory") != NULL;
-    if (first || second) least = fmin(least, groups_limit(first, path, swap));
+    if (first || second) least = math_min(least, groups_limit(first, path, swap));
   }
   if (file) fclose(file);
   return least;
@@ -145,9 +146,9 @@ double memory_limit(size_t processes) {
     shared = (double)machine.totalram * machine.mem_unit + swap;
   }
 #endif
-  shared = fmin(shared, control_groups_limit(swap));
-  return fmin(shared / (double)processes,
-              fmin(resource_limit(RLIMIT_AS), resource_limit(RLIMIT_DATA)));
+  shared = math_min(shared, control_groups_limit(swap));
+  return math_min(shared / (double)processes,
+                  math_min(resource_limit(RLIMIT_AS), resource_limit(RLIMIT_DATA)));
 }
 
 /* True if this many bytes fit into memory. The check is needed because Linux overcommits: it grants

@@ -10,8 +10,10 @@
 
 #include "base/buckets.h"
 #include "base/gsl.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/team.h"
+#include "measure/statistics.h"
 #include "physics/contact/walls.h"
 
 /* --- circles and the search by power distance ------------------------------------------------- */
@@ -78,8 +80,9 @@ static void sites_free(sites *s) {
 /* --- grids ------------------------------------------------------------------------------------ */
 
 static int octave_of(double radius, double largest) {
-  int o = radius > 0.0 ? (int)fmin(floor(log2(largest / radius)), SITES_OCTAVES - 1)
-                       : SITES_OCTAVES - 1;
+  int o = SITES_OCTAVES;
+  if (radius > 0.0 && isfinite(largest / radius)) frexp(largest / radius, &o);
+  o = o < SITES_OCTAVES ? o - 1 : SITES_OCTAVES - 1;
   return o > 0 ? o : 0;
 }
 
@@ -100,7 +103,7 @@ static size_t cell_of(const void *with, size_t i) {
  * of cells. */
 static size_t shape(sites_grid *g) {
   const double x = g->upper[0] - g->lower[0], y = g->upper[1] - g->lower[1], n = (double)g->n;
-  g->width = fmax(sqrt(2.0 * x * y / n), fmax(x, y) / n);
+  g->width = math_max(sqrt(2.0 * x * y / n), math_max(x, y) / n);
   if (!(g->width > 0.0)) g->width = 1.0;
   g->cells[0] = (size_t)floor(x / g->width) + 1;
   g->cells[1] = (size_t)floor(y / g->width) + 1;
@@ -112,16 +115,16 @@ static size_t shape(sites_grid *g) {
 static sd_status sites_sort(sites *s) {
   double largest = 0.0;
   size_t n_cells = 0;
-  for (size_t i = 0; i < s->n; i++) largest = fmax(largest, s->radius[i]);
+  for (size_t i = 0; i < s->n; i++) largest = math_max(largest, s->radius[i]);
   for (int o = 0; o < SITES_OCTAVES; o++)
     s->octave[o] = (sites_grid){.lower = {HUGE_VAL, HUGE_VAL}, .upper = {-HUGE_VAL, -HUGE_VAL}};
   for (size_t i = 0; i < s->n; i++) {
     sites_grid *g = &s->octave[s->octave_of[i] = (unsigned char)octave_of(s->radius[i], largest)];
     g->n++;
-    g->largest = fmax(g->largest, s->radius[i]);
+    g->largest = math_max(g->largest, s->radius[i]);
     for (int k = 0; k < 2; k++) {
-      g->lower[k] = fmin(g->lower[k], s->at[i][k]);
-      g->upper[k] = fmax(g->upper[k], s->at[i][k]);
+      g->lower[k] = math_min(g->lower[k], s->at[i][k]);
+      g->upper[k] = math_max(g->upper[k], s->at[i][k]);
     }
   }
   for (int o = 0; o < SITES_OCTAVES; o++) {
@@ -184,9 +187,9 @@ static void search_octave(search *q, const sites_grid *g) {
   for (int k = 0; k < 2; k++) {
     const double top = g->lower[k] + (double)g->cells[k] * g->width;
     middle[k] = cell_along(g, k, q->at[k]);
-    beyond[k] = fmax(fmax(g->lower[k] - q->at[k], q->at[k] - top), 0.0);
+    beyond[k] = math_max(math_max(g->lower[k] - q->at[k], q->at[k] - top), 0.0);
     const double low = g->lower[k] + (double)middle[k] * g->width;
-    inner = fmin(inner, fmax(fmin(q->at[k] - low, low + g->width - q->at[k]), 0.0));
+    inner = math_min(inner, math_max(math_min(q->at[k] - low, low + g->width - q->at[k]), 0.0));
     const size_t after = g->cells[k] - 1 - middle[k];
     last = middle[k] > last ? middle[k] : last;
     last = after > last ? after : last;
@@ -194,7 +197,7 @@ static void search_octave(search *q, const sites_grid *g) {
   for (size_t ring = 0; ring <= last; ring++) {
     const double far = ring > 0 ? (double)(ring - 1) * g->width + inner : 0.0;
     const double x = beyond[0] + far, y = beyond[1] + far;
-    const double nearest = fmin(x * x + beyond[1] * beyond[1], beyond[0] * beyond[0] + y * y);
+    const double nearest = math_min(x * x + beyond[1] * beyond[1], beyond[0] * beyond[0] + y * y);
     if (nearest - g->largest * g->largest > q->least) return;
     look_around(q, g, middle, ring);
   }
@@ -270,11 +273,11 @@ static sd_status sites_new(sites *s, const configuration *c, const region *g,
   if (status == SD_OK) status = add_images(s, c, margin);
   for (size_t i = 0; i < s->n; i++)
     for (int k = 0; k < 2; k++) {
-      lower[k] = fmin(lower[k], s->at[i][k] - s->radius[i]);
-      upper[k] = fmax(upper[k], s->at[i][k] + s->radius[i]);
+      lower[k] = math_min(lower[k], s->at[i][k] - s->radius[i]);
+      upper[k] = math_max(upper[k], s->at[i][k] + s->radius[i]);
     }
   for (int k = 0; k < 2; k++) s->centre[k] = 0.5 * (lower[k] + upper[k]);
-  s->size = fmax(upper[0] - lower[0], upper[1] - lower[1]);
+  s->size = math_max(upper[0] - lower[0], upper[1] - lower[1]);
   return status == SD_OK ? sites_sort(s) : status;
 }
 
@@ -428,7 +431,7 @@ static bool needs_images(const cutter *q, size_t i, const polygon *p) {
   if (q->c->length[0] == 0.0 && q->c->length[1] == 0.0) return false;
   for (size_t k = 0; k < p->n; k++) {
     double x = p->at[k][0], y = p->at[k][1];
-    double reach = sqrt(fmax(x * x + y * y - r * r + q->largest * q->largest, 0.0));
+    double reach = sqrt(math_max(x * x + y * y - r * r + q->largest * q->largest, 0.0));
     for (int c = 0; c < 2; c++) {
       double length = q->c->length[c], corner = q->s->at[i][c] + p->at[k][c];
       if (length == 0.0 || q->margin[c] >= length) continue;
@@ -444,7 +447,7 @@ static bool needs_images(const cutter *q, size_t i, const polygon *p) {
  * `at`. */
 static void cut_arc(const placed_segment *g, const double *at, polygon *p) {
   const nearest_point q = walls_nearest(g, at[0], at[1]);
-  const double r = hypot(q.dx, q.dy);
+  const double r = math_hypot(q.dx, q.dy);
   if (q.active && q.flat && r > 0.0) polygon_cut(p, q.dx / r, q.dy / r, r, 0.0, BY_WALL);
 }
 
@@ -495,7 +498,7 @@ static bool is_closed(const cutter *q, size_t i, const polygon *p) {
   double reach = bulk_reach(q, i);
   for (size_t k = 0; k < p->n; k++) {
     if (p->edge[k] == BY_NOTHING || p->edge[k] == BY_REGION) return false;
-    if (!boundless && hypot(p->at[k][0], p->at[k][1]) > reach) return false;
+    if (!boundless && math_hypot(p->at[k][0], p->at[k][1]) > reach) return false;
   }
   return true;
 }
@@ -509,7 +512,8 @@ static bool crosses_far(const double a[2], const double b[2], double radius, con
   if (!(discriminant > 0.0) || dd == 0.0) return false;
   for (int sign = -1; sign <= 1; sign += 2) {
     double t = (-ad + sign * sqrt(discriminant)) / dd;
-    if (t > 0.0 && t < 1.0 && hypot(a[0] + t * dx - centre[0], a[1] + t * dy - centre[1]) > reach)
+    if (t > 0.0 && t < 1.0 &&
+        math_hypot(a[0] + t * dx - centre[0], a[1] + t * dy - centre[1]) > reach)
       return true;
   }
   return false;
@@ -524,9 +528,9 @@ static double round_area(const cutter *q, size_t i, polygon *p, bool *closed) {
   double reach = bulk_reach(q, i);
   bool at_wall = false, near = true;
   for (size_t k = 0; k < p->n; k++) {
-    bool inside_far = hypot(p->at[k][0], p->at[k][1]) > reach;
+    bool inside_far = math_hypot(p->at[k][0], p->at[k][1]) > reach;
     for (int c = 0; c < 2; c++) p->at[k][c] += own[c];
-    bool beyond = hypot(p->at[k][0], p->at[k][1]) > g->radius;
+    bool beyond = math_hypot(p->at[k][0], p->at[k][1]) > g->radius;
     at_wall = at_wall || beyond;
     near = near && (beyond || !inside_far);
   }
@@ -615,8 +619,8 @@ static void statistics(cells *t, const configuration *c, const region *counted, 
   t->inside = t->mean = t->deviation = t->least = t->most = NAN;
   if (t->n_closed > 0) {
     t->inside = disks / area;
-    t->mean = gsl_stats_mean(local, 1, t->n_closed);
-    t->deviation = gsl_stats_sd_with_fixed_mean(local, 1, t->n_closed, t->mean);
+    t->mean = statistics_mean(local, t->n_closed);
+    t->deviation = statistics_deviation(local, t->n_closed, t->mean, (double)t->n_closed);
     gsl_stats_minmax(&t->least, &t->most, local, 1, t->n_closed);
   }
 }
@@ -632,13 +636,13 @@ sd_status cells_new(cells *t, const configuration *c, const region *whole, const
   if (!memory_rows(sizeof rows / sizeof *rows, rows))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the cells");
   cutter q = {.c = c, .whole = whole};
-  for (size_t i = 0; i < t->n; i++) q.largest = fmax(q.largest, m->disks[i].radius);
-  double spacing = fmax(2.0 * q.largest, sqrt(region_area(whole) / (double)t->n));
-  for (int k = 0; k < 2; k++) q.margin[k] = fmin(4.0 * spacing, c->length[k]);
+  for (size_t i = 0; i < t->n; i++) q.largest = math_max(q.largest, m->disks[i].radius);
+  double spacing = math_max(2.0 * q.largest, sqrt(region_area(whole) / (double)t->n));
+  for (int k = 0; k < 2; k++) q.margin[k] = math_min(4.0 * spacing, c->length[k]);
   sd_status status;
   do {
     status = cut_cells(t, &q, messages);
-    for (int k = 0; k < 2; k++) q.margin[k] = fmin(4.0 * q.margin[k], c->length[k]);
+    for (int k = 0; k < 2; k++) q.margin[k] = math_min(4.0 * q.margin[k], c->length[k]);
   } while (status == SD_OK && q.short_of_images);
   if (status == SD_OK) statistics(t, c, counted, local);
   free(local);

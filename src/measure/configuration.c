@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/team.h"
 #include "model/cell.h"
@@ -204,7 +205,8 @@ static void fill_disks(configuration *c, const sd_model *from, const frame_data 
 
 static void wall_point(const sd_wall *wall, const frame_data *f, size_t body, const double first[2],
                        double at[2]) {
-  double cosine = cos(f->angle[body]), sine = sin(f->angle[body]);
+  double cosine, sine;
+  math_sine_cosine(f->angle[body], &sine, &cosine);
   double x = f->scale * (first[0] - wall->pivot[0]);
   double y = f->scale * (first[1] - wall->pivot[1]);
   at[0] = f->position[body][0] + cosine * x - sine * y;

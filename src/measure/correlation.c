@@ -6,8 +6,10 @@
 #include <stdlib.h>
 
 #include "base/buckets.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/team.h"
+#include "measure/statistics.h"
 
 /* --- pairs of centres ------------------------------------------------------------------------- */
 
@@ -41,7 +43,7 @@ static size_t grid_cell(const void *with, size_t i) {
 static sd_status grid_fill(grid *g, double reach) {
   for (int k = 0; k < 2; k++) {
     const double most = floor(2.0 * sqrt((double)g->n)) + 1.0;
-    g->cells[k] = (size_t)fmax(fmin(floor(g->width[k] / reach), most), 1.0);
+    g->cells[k] = (size_t)math_max(math_min(floor(g->width[k] / reach), most), 1.0);
     /* with two cells along a periodic direction, each would be the other's neighbour twice */
     if (g->wraps[k] && g->cells[k] < 3) g->cells[k] = 1;
     g->inverse[k] = g->wraps[k] ? 1.0 / g->width[k] : 0.0;
@@ -208,15 +210,15 @@ static sd_status fill_window(grid *g, const configuration *c, const region *r) {
       double period = r->whole[k] ? c->length[k] : r->image[k];
       if (period > 0.0) at -= period * floor((at - r->lower[k]) / period);
       g->at[g->n][k] = at;
-      low[k] = fmin(low[k], at - d->radius);
-      high[k] = fmax(high[k], at + d->radius);
+      low[k] = math_min(low[k], at - d->radius);
+      high[k] = math_max(high[k], at + d->radius);
     }
     g->n++;
   }
   for (int k = 0; k < 2; k++) {
     g->wraps[k] = r->whole[k];
-    g->lower[k] = g->wraps[k] ? r->lower[k] : fmax(r->lower[k], low[k]);
-    upper[k] = g->wraps[k] ? r->upper[k] : fmin(r->upper[k], high[k]);
+    g->lower[k] = g->wraps[k] ? r->lower[k] : math_max(r->lower[k], low[k]);
+    upper[k] = g->wraps[k] ? r->upper[k] : math_min(r->upper[k], high[k]);
     g->width[k] = upper[k] - g->lower[k];
   }
   g->offset = g->wraps[1] ? c->offset : 0.0;
@@ -228,7 +230,7 @@ static sd_status correlate(correlation *t, const configuration *c, const region 
   sd_status status = fill_window(&g, c, r);
   t->n_disks = g.n;
   t->reach = 10.0 * configuration_radius(c);
-  for (int k = 0; k < 2; k++) t->reach = fmin(t->reach, 0.5 * g.width[k]);
+  for (int k = 0; k < 2; k++) t->reach = math_min(t->reach, 0.5 * g.width[k]);
   const bool pairs = g.n > 1 && t->reach > 0.0;
   if (status == SD_OK && pairs) status = grid_fill(&g, t->reach);
   if (status == SD_OK && pairs) {
@@ -263,23 +265,23 @@ static void distribute(distribution *d, double *value, size_t n, double most, si
                       .least = NAN,
                       .most = NAN};
   if (n == 0) return;
-  d->mean = gsl_stats_mean(value, 1, n);
+  d->mean = statistics_mean(value, n);
   gsl_stats_minmax(&d->least, &d->most, value, 1, n);
   d->histogram = histogram_new(bins, most);
   double unit = scaled && d->mean > 0.0 ? d->mean : 1.0;
   for (size_t k = 0; k < n; k++) {
     value[k] /= unit;
     if (!scaled) /* put a value at the upper limit into the last bin */
-      value[k] = fmin(value[k], nextafter(most, 0.0));
+      value[k] = math_min(value[k], nextafter(most, 0.0));
     d->beyond += value[k] >= most;
     gsl_histogram_increment(d->histogram, value[k]); /* GSL ignores values outside the bins */
   }
   double mean = d->mean / unit;
-  d->deviation = gsl_stats_sd_with_fixed_mean(value, 1, n, mean);
+  d->deviation = statistics_deviation(value, n, mean, (double)n);
   if (n > 1 && d->deviation > 0.0) {
-    double sd = gsl_stats_sd_m(value, 1, n, mean);
-    d->skewness = gsl_stats_skew_m_sd(value, 1, n, mean, sd);
-    d->kurtosis = gsl_stats_kurtosis_m_sd(value, 1, n, mean, sd);
+    double sd = statistics_deviation(value, n, mean, (double)n - 1.0);
+    d->skewness = statistics_moment(value, n, mean, sd, 3);
+    d->kurtosis = statistics_moment(value, n, mean, sd, 4) - 3.0;
   }
 }
 

@@ -5,9 +5,11 @@
 #include <stdlib.h>
 
 #include "base/gsl.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "measure/error_bar.h"
 #include "measure/observable.h"
+#include "measure/statistics.h"
 #include "model/state.h"
 
 /* --- one disk --------------------------------------------------------------------------------- */
@@ -48,7 +50,7 @@ static void fill_position(sd_disk_mean *d, const sd_model *model, const sd_state
   d->x = state->mean_x0[i] + dx;
   d->y = state->mean_y0[i] + dy;
   d->rms = spread < 0 ? 0 : sqrt(spread);
-  d->displacement = hypot(x - state->mean_x0[i], y - state->mean_y0[i]);
+  d->displacement = math_hypot(x - state->mean_x0[i], y - state->mean_y0[i]);
 }
 
 static void fill_rates(sd_disk_mean *d, const sd_model *model, const sd_state *state, size_t i) {
@@ -88,8 +90,9 @@ sd_disk_mean sd_disk_mean_of(const sd_model *model, const sd_state *state, size_
 typedef struct sample {
   size_t n;
   const sd_disk_mean **disk;
-  double *x, *y, *ranks; /* scratch arrays: x and y [n], ranks [2 n] */
-  size_t *slot;          /* scratch: [n_bodies] index in the state of each body */
+  double *x, *y; /* scratch arrays [n] */
+  size_t *order; /* scratch [n] */
+  size_t *slot;  /* scratch: [n_bodies] index in the state of each body */
 } sample;
 
 /* Copies one member of sd_disk_mean, given by its offset in the struct, from all disks into
@@ -115,19 +118,27 @@ static double mean_square(const sample *q, size_t offset) {
 
 #define MEMBER(name) offsetof(sd_disk_mean, name)
 
+/* Mean of q->x, its error as that of independent numbers, and their standard deviation; NAN for one
+ * number. */
+static double mean_and_error(const sample *q, double *error, double *deviation) {
+  const double n = (double)q->n, mean = statistics_mean(q->x, q->n);
+  *deviation = q->n > 1 ? statistics_deviation(q->x, q->n, mean, n - 1) : NAN;
+  *error = *deviation / sqrt(n);
+  return mean;
+}
+
 static void fill_omega(sd_disk_totals *t, const sample *q) {
   double n = (double)q->n;
   take(q, MEMBER(omega));
-  t->omega_mean = gsl_stats_mean(q->x, 1, q->n);
-  t->omega_mean_error = q->n > 1 ? gsl_stats_sd(q->x, 1, q->n) / sqrt(n) : NAN;
-  t->skewness = q->n > 2 ? gsl_stats_skew(q->x, 1, q->n) : NAN;
+  double deviation;
+  t->omega_mean = mean_and_error(q, &t->omega_mean_error, &deviation);
+  t->skewness = q->n > 2 ? statistics_moment(q->x, q->n, t->omega_mean, deviation, 3) : NAN;
 
   /* The error of a root mean square is the error of the mean square divided by twice the root. */
   for (size_t k = 0; k < q->n; k++) q->x[k] *= q->x[k];
-  t->omega_rms = sqrt(gsl_stats_mean(q->x, 1, q->n));
-  t->omega_rms_error = q->n > 1 && t->omega_rms > 0
-                           ? gsl_stats_sd(q->x, 1, q->n) / sqrt(n) / (2 * t->omega_rms)
-                           : NAN;
+  double error;
+  t->omega_rms = sqrt(mean_and_error(q, &error, &deviation));
+  t->omega_rms_error = t->omega_rms > 0 ? error / (2 * t->omega_rms) : NAN;
 
   /* Error of the median: for any distribution, the number of values below the median has the
    * standard deviation sqrt(n)/2. The error is therefore half the distance between the quantiles
@@ -135,12 +146,11 @@ static void fill_omega(sd_disk_totals *t, const sample *q) {
   for (size_t k = 0; k < q->n; k++) q->x[k] = sqrt(q->x[k]);
   gsl_sort(q->x, 1, q->n);
   double off = 0.5 / sqrt(n);
-  t->omega_median = gsl_stats_median_from_sorted_data(q->x, 1, q->n);
-  t->omega_median_error = q->n > 1
-                              ? (gsl_stats_quantile_from_sorted_data(q->x, 1, q->n, 0.5 + off) -
-                                 gsl_stats_quantile_from_sorted_data(q->x, 1, q->n, 0.5 - off)) /
-                                    2
-                              : NAN;
+  t->omega_median = statistics_median(q->x, q->n);
+  t->omega_median_error = q->n > 1 ? (statistics_quantile(q->x, q->n, 0.5 + off) -
+                                      statistics_quantile(q->x, q->n, 0.5 - off)) /
+                                         2
+                                   : NAN;
 }
 
 static void fill_significance(sd_disk_totals *t, const sample *q) {
@@ -163,8 +173,10 @@ static void fill_significance(sd_disk_totals *t, const sample *q) {
   for (size_t k = 0; k < q->n; k++) second[k] = q->x[k];
   take(q, MEMBER(first));
   if (q->n < 3) return;
-  t->persistence = gsl_stats_correlation(q->x, 1, second, 1, q->n);
-  t->persistence_rank = gsl_stats_spearman(q->x, 1, second, 1, q->n, q->ranks);
+  t->persistence = statistics_correlation(q->x, second, q->n);
+  statistics_ranks(q->x, q->n, q->order);
+  statistics_ranks(second, q->n, q->order);
+  t->persistence_rank = statistics_correlation(q->x, second, q->n);
 }
 
 /* Computes the mean of omega_i omega_j over pairs i, j of free disks now in contact, divided by the
@@ -223,7 +235,7 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state,
   const memory_column rows[] = {{&q.disk, most, sizeof *q.disk},
                                 {&q.x, most, sizeof *q.x},
                                 {&q.y, most, sizeof *q.y},
-                                {&q.ranks, 2 * most, sizeof *q.ranks},
+                                {&q.order, most, sizeof *q.order},
                                 {&q.slot, state->n_bodies, sizeof *q.slot}};
   if (!memory_rows(sizeof rows / sizeof *rows, rows)) {
     shortage_note();
@@ -242,7 +254,7 @@ sd_disk_totals sd_disk_totals_of(const sd_model *model, const sd_state *state,
   free(q.disk);
   free(q.x);
   free(q.y);
-  free(q.ranks);
+  free(q.order);
   free(q.slot);
   return t;
 }

@@ -30,6 +30,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/math.h"
+
 enum { SHORTEST = 16, BLOCKS = 512, ORDERS = 27, FEWEST = 16, LONG = 64, CHANCE = 50 };
 /* A record has no noise if the autoregressive model predicts all but this fraction of its
  * variance. */
@@ -67,7 +69,7 @@ static bool periodic_variance(const double *x, size_t n, double *square) {
     double found = sums_variance(y, blocks) / (double)blocks,
            scatter = 1 / sqrt(2 * (double)blocks);
     if (found >= largest) *square = largest = found;
-    *square = fmin(*square, found * (1 + scatter) * (1 + scatter));
+    *square = math_min(*square, found * (1 + scatter) * (1 + scatter));
   }
   return *square < largest;
 }
@@ -78,7 +80,7 @@ static double weighted(const double *value, const double *criterion, size_t n) {
   double least = criterion[0], sum = 0, weights = 0;
   for (size_t p = 1; p < n; p++) least = criterion[p] < least ? criterion[p] : least;
   for (size_t p = 0; p < n; p++) {
-    double weight = exp((least - criterion[p]) / 2);
+    double weight = math_exp((least - criterion[p]) / 2);
     sum += weight * value[p];
     weights += weight;
   }
@@ -127,9 +129,9 @@ static double spectrum_at_zero(const double *y, size_t n) {
   memset(forward + n, 0, SUMS * sizeof *forward);
   memset(backward + n, 0, SUMS * sizeof *backward);
   double variance = sums_variance(y, n) * (all - 1) / all, left = variance, gain = 1;
-  size_t orders = (size_t)fmin(fmin(10 * log10(all), all / 4), ORDERS);
+  size_t orders = (size_t)math_min(math_min(10 * math_log10(all), all / 4), ORDERS);
   for (size_t p = 0; left > foretold * variance; p++) {
-    criterion[p] = all * log(left) + 2 * (double)p;
+    criterion[p] = all * math_log(left) + 2 * (double)p;
     found[p] = left * all / (all - 1 - (double)p) / (gain * gain);
     if (p == orders) return weighted(found, criterion, p + 1);
     /* Pair forward prediction error t with backward prediction error t - 1, which has the index t -
@@ -151,7 +153,7 @@ static bool is_constant(const double *x, size_t n) {
     low = x[k] < low ? x[k] : low;
     high = x[k] > high ? x[k] : high;
   }
-  return high - low <= 8 * DBL_EPSILON * fmax(fabs(low), fabs(high));
+  return high - low <= 8 * DBL_EPSILON * math_max(fabs(low), fabs(high));
 }
 
 error_bar error_bar_of(const double *x, size_t n) {
@@ -169,7 +171,8 @@ error_bar error_bar_of(const double *x, size_t n) {
     const slow seen = slow_of(y, blocks, square * (double)blocks);
     found.slow = seen == SLOW_PARTS || all < LONG * tau;
     found.reliable = seen == SLOW_RESOLVED && !found.slow;
-    if (found.reliable) found.error *= 1 + pow(CHANCE * tau / all, 2);
+    const double part = CHANCE * tau / all;
+    if (found.reliable) found.error *= 1 + part * part;
   } else {
     found.reliable = period && slow_repeats(y, blocks);
     found.slow = !found.reliable;
@@ -208,7 +211,8 @@ static const double least = 0.2, most = 2.6;
 static void periodogram(const double *y, size_t n, double found[LOWEST]) {
   double twice[LOWEST], last[LOWEST] = {0}, before[LOWEST] = {0};
   const double mean = sums_mean(y, n);
-  for (size_t k = 0; k < LOWEST; k++) twice[k] = 2 * cos(2 * M_PI * (double)(k + 1) / (double)n);
+  for (size_t k = 0; k < LOWEST; k++)
+    twice[k] = 2 * math_cos(2 * M_PI * (double)(k + 1) / (double)n);
   for (size_t t = 0; t < n; t++)
     for (size_t k = 0; k < LOWEST; k++) {
       const double next = y[t] - mean + twice[k] * last[k] - before[k];
@@ -227,7 +231,8 @@ static double change_of(const double *power, size_t frequencies) {
   const double pairs = (double)count;
   double x = 0, y = 0, xx = 0, xy = 0;
   for (size_t k = 0; k + 1 < frequencies; k += 2) {
-    const double at = pow((double)k + 1.5, 2), value = log((power[k] + power[k + 1]) / 2);
+    const double at = ((double)k + 1.5) * ((double)k + 1.5),
+                 value = math_log((power[k] + power[k + 1]) / 2);
     x += at / pairs;
     y += value / pairs;
     xx += at * at;

@@ -6,6 +6,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "measure/error_bar.h"
 #include "measure/observable.h"
@@ -19,7 +20,7 @@
  * between the means of the two halves of the record, and u the ratio of the differences between its
  * last and its first two quarters. */
 static double systematic(drift left, error_bar error, bool quiet) {
-  double u = fmin(left.ratio, 0.75);
+  double u = math_min(left.ratio, 0.75);
   if (quiet && !error.reliable) return left.half * (1 + u) / (1 - u);
   return !error.slow && !(left.sigmas > DRIFT_SEEN) ? 0 : left.half;
 }
@@ -34,7 +35,8 @@ sd_mean sd_mean_of(const double *x, size_t n, bool look) {
   mean.used = n - start.length;
   mean.mean = sums_mean(x + start.length, mean.used);
   mean.correlation = error.correlation;
-  mean.error = hypot(error.error, hypot(start.tail, systematic(left, error, start.quiet)));
+  mean.error =
+      math_hypot(error.error, math_hypot(start.tail, systematic(left, error, start.quiet)));
   /* Converged: either the error is reliable and no significant drift is left, or a relaxation
    * without noise has mostly decayed. */
   bool over =
@@ -83,8 +85,8 @@ static double triangle(double u) {
 static size_t windows(const double *x, size_t n, double width, double stride, double *y) {
   size_t count = (size_t)(((double)n - 2 * width) / stride) + 1;
   for (size_t k = 0; k < count; k++) {
-    double from = fmax(0, (double)n - 2 * width - (double)(count - 1 - k) * stride);
-    size_t end = (size_t)fmin((double)n, ceil(from + 2 * width));
+    double from = math_max(0, (double)n - 2 * width - (double)(count - 1 - k) * stride);
+    size_t end = (size_t)math_min((double)n, ceil(from + 2 * width));
     y[k] = 0;
     for (size_t b = (size_t)from; b < end; b++)
       y[k] += x[b] *
@@ -99,7 +101,7 @@ static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   enum { NARROWEST = 8, ENOUGH = 64 };
   double width = period * ceil(NARROWEST / period), length = (double)n;
   /* if there are few windows, let them overlap more */
-  double stride = width / ceil(fmax(1, ENOUGH * width / (length - 2 * width)));
+  double stride = width / ceil(math_max(1, ENOUGH * width / (length - 2 * width)));
   bool enough = length >= 4 * width && stride >= 1;
   double few[SD_BINS + 1] = {0}, *y = few;
   if (enough && n > SD_BINS && !memory_row(&y, n, sizeof *y)) {
@@ -115,7 +117,7 @@ static sd_mean mean_of_ripple(const double *x, size_t n, double period) {
   sd_mean mean = sd_mean_of(y, count, true);
   if (y != few) free(y);
   mean.correlation *= stride;
-  mean.discarded = (size_t)fmin(length, (double)mean.discarded * stride);
+  mean.discarded = (size_t)math_min(length, (double)mean.discarded * stride);
   mean.used = n - mean.discarded;
   return mean;
 }
@@ -159,7 +161,7 @@ sd_rotation sd_rotation_of(const sd_model *model, const sd_state *state, size_t 
   if (k >= model->n_rotations)
     return (sd_rotation){UINT32_MAX, NAN, NAN, NAN, NAN, NAN, NAN, NAN, false};
   uint32_t disk = model->rotations[k];
-  double gravity = hypot(model->gravity[0], model->gravity[1]);
+  double gravity = math_hypot(model->gravity[0], model->gravity[1]);
   double bin = (double)state->bin_steps * model->dt, scale = 1 / bin;
   double t_g = gravity > 0 ? sqrt(2 * model->disks[disk].radius / gravity) : NAN;
   size_t bins = state->bins > 0 ? (size_t)state->bins : 0;
@@ -312,12 +314,13 @@ static void naive(const double *x, size_t batch, size_t m, size_t last, double *
   double scale = 0, mean = 0, squares = 0;
   for (size_t d = m; d-- > 0;) {
     double y = sums_mean(x + d * batch, batch), kept = (double)(m - d), off = y - mean;
-    scale = fmax(scale, fabs(y));
+    scale = math_max(scale, fabs(y));
     mean += off / kept;
     squares += off * (y - mean);
     if (d > last) continue;
     /* Variances below the rounding errors of the samples count as equal. */
-    double variance = fmax(squares / (kept - 1), pow(4 * DBL_EPSILON * scale, 2));
+    double rounding = 4 * DBL_EPSILON * scale;
+    double variance = math_max(squares / (kept - 1), rounding * rounding);
     square[d] = variance * (kept - 1) / (kept * kept);
   }
 }
@@ -339,8 +342,8 @@ static bool stands_out(const double *x, size_t d, size_t n) {
   size_t part = d;
   for (int k = 0; k < PARTS && part > 0; k++, part /= 2) {
     double short_one =
-        fmax(error * sqrt((double)(n - d) / (double)part), scatter_of(x + d, n - d, part));
-    double sigma = hypot(error, short_one);
+        math_max(error * sqrt((double)(n - d) / (double)part), scatter_of(x + d, n - d, part));
+    double sigma = math_hypot(error, short_one);
     /* accept the cut also if the error bar is NAN */
     if (!(fabs(sums_mean(x, part) - rest) <= distinct * sigma)) return true;
   }
@@ -358,7 +361,8 @@ drift drift_of(const double *x, size_t n, double error) {
   /* The variance of a mean of L samples is error^2 n/L (correlated noise) plus c/L^2 (bounded
    * noise). With L = n/ENOUGH and ENOUGH = 16, c/L^2 is the variance of such means minus 16
    * error^2. */
-  double bounded = fmax(0, pow(scatter_of(x, n, n / ENOUGH), 2) - 16 * error * error);
+  double scatter = scatter_of(x, n, n / ENOUGH);
+  double bounded = math_max(0, scatter * scatter - 16 * error * error);
   double sigma = sqrt((4 + 4. / 3) * error * error + bounded * (1. / 16 + 1. / 144));
   result.sigmas = rounding ? 0 : fall / sigma;
   result.half = fabs(q[0] + q[1] - q[2] - q[3]) / 4;
@@ -375,7 +379,7 @@ static double tail_of(const double *x, size_t d, size_t n) {
   if (half == 0) return 0;
   double rest = sums_mean(x + d, n - d);
   double first = sums_mean(x, half) - rest, second = sums_mean(x + (d - half), half) - rest;
-  double ratio = fmin(second / first, 0.75);
+  double ratio = math_min(second / first, 0.75);
   return ratio > 0 ? fabs(second) * ratio / (1 - ratio) * (double)half / (double)(n - d) : 0;
 }
 
@@ -403,7 +407,7 @@ transient transient_none(const double *x, size_t n) {
 }
 
 transient transient_of(const double *x, size_t n) {
-  size_t batch = (size_t)fmin((double)n / FEWEST_BATCHES, sqrt((double)n));
+  size_t batch = (size_t)math_min((double)n / FEWEST_BATCHES, sqrt((double)n));
   if (batch < SMALLEST) batch = SMALLEST;
   /* m: number of batches; last: largest number that may be cut off; start: first sample of the
    * first batch, so that the last batch ends with the record */
@@ -478,7 +482,7 @@ static int64_t steps_in(const int64_t *count, int class) {
 static double mean_from(double sum, int64_t n) { return n > 0 ? sum / (double)n : NAN; }
 static double deviation_from(double sum, double squares, int64_t n) {
   double mean = mean_from(sum, n);
-  return n > 0 ? sqrt(fmax(0, squares / (double)n - mean * mean)) : NAN;
+  return n > 0 ? sqrt(math_max(0, squares / (double)n - mean * mean)) : NAN;
 }
 
 /* Fills the number of steps and the mean torque by age of the visit, i.e. by the time since the

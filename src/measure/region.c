@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "base/math.h"
+
 double region_area(const region *g) {
   if (g->round) return M_PI * g->radius * g->radius;
   return (g->upper[0] - g->lower[0]) * (g->upper[1] - g->lower[1]);
@@ -16,7 +18,7 @@ static double first_image(const region *g, int c, double at) {
 }
 
 bool region_holds(const region *g, double x, double y) {
-  if (g->round) return hypot(x - g->centre[0], y - g->centre[1]) <= g->radius;
+  if (g->round) return math_hypot(x - g->centre[0], y - g->centre[1]) <= g->radius;
   const double at[2] = {x, y};
   for (int c = 0; c < 2; c++) {
     if (g->whole[c]) continue;
@@ -33,7 +35,7 @@ typedef struct point {
 } point;
 
 static double sector(point p, point q, double radius) {
-  return 0.5 * radius * radius * atan2(p.x * q.y - p.y * q.x, p.x * q.x + p.y * q.y);
+  return 0.5 * radius * radius * math_atan2(p.x * q.y - p.y * q.x, p.x * q.x + p.y * q.y);
 }
 
 static point along(point p, point d, double t) { return (point){p.x + t * d.x, p.y + t * d.y}; }
@@ -66,10 +68,10 @@ double region_circle_polygon(double radius, size_t n, const double (*corner)[2])
 /* Returns the area common to two circles of radii r and s whose centres have this distance. */
 static double lens(double distance, double r, double s) {
   if (distance >= r + s) return 0.0;
-  if (distance <= fabs(r - s)) return M_PI * fmin(r, s) * fmin(r, s);
+  if (distance <= fabs(r - s)) return M_PI * math_min(r, s) * math_min(r, s);
   double u = (distance * distance + r * r - s * s) / (2.0 * distance), v = distance - u;
-  return r * r * acos(u / r) - u * sqrt(fmax(r * r - u * u, 0.0)) + s * s * acos(v / s) -
-         v * sqrt(fmax(s * s - v * v, 0.0));
+  return r * r * math_acos(u / r) - u * sqrt(math_max(r * r - u * u, 0.0)) +
+         s * s * math_acos(v / s) - v * sqrt(math_max(s * s - v * v, 0.0));
 }
 
 /* Returns the area of the part of a disk that lies inside the rectangle, without periodic
@@ -91,7 +93,7 @@ static double rectangle_disk(const region *g, double x, double y, double radius)
 }
 
 double region_disk(const region *g, double x, double y, double radius) {
-  if (g->round) return lens(hypot(x - g->centre[0], y - g->centre[1]), radius, g->radius);
+  if (g->round) return lens(math_hypot(x - g->centre[0], y - g->centre[1]), radius, g->radius);
   double px = first_image(g, 0, x), py = first_image(g, 1, y), area = 0.0;
   int nx = g->image[0] > 0.0, ny = g->image[1] > 0.0;
   for (int j = -ny; j <= ny; j++)
@@ -113,10 +115,10 @@ static double rectangle_line(const region *g, const double p[2], const double d[
       continue;
     }
     double s = (g->lower[c] - p[c]) / d[c], t = (g->upper[c] - p[c]) / d[c];
-    first = fmax(first, fmin(s, t));
-    last = fmin(last, fmax(s, t));
+    first = math_max(first, math_min(s, t));
+    last = math_min(last, math_max(s, t));
   }
-  return fmax(last - first, 0.0);
+  return math_max(last - first, 0.0);
 }
 
 double region_line(const region *g, double x, double y, double dx, double dy) {

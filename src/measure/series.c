@@ -1,5 +1,6 @@
 /* series.c: tables of the quantities that a run records at regular intervals: energies, counts,
  * watched disks, bodies and contacts of frames. */
+#include "base/math.h"
 #include "measure/configuration.h"
 #include "measure/observable.h"
 #include "measure/stress.h"
@@ -81,7 +82,7 @@ OBSERVABLE_GET(kinetic_xy, moment, at->sums->kinetic[STRESS_XY])
 OBSERVABLE_GET(kinetic_yy, moment, at->sums->kinetic[STRESS_YY])
 
 /* Returns the logarithmic (Hencky) strain of the box along x or y. */
-static double strain(const moment *at, int k) { return log(at->state->cell[k]); }
+static double strain(const moment *at, int k) { return math_log(at->state->cell[k]); }
 OBSERVABLE_GET(strain_xx, moment, strain(at, CELL_X))
 OBSERVABLE_GET(strain_yy, moment, strain(at, CELL_Y))
 OBSERVABLE_GET(strain_xy, moment, at->state->cell[CELL_SHEAR])

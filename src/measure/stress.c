@@ -4,12 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 
 principal stress_principal(const double t[4]) {
   double half = 0.5 * (t[STRESS_XX] - t[STRESS_YY]), shear = 0.5 * (t[STRESS_XY] + t[STRESS_YX]);
-  principal p = {0.5 * (t[STRESS_XX] + t[STRESS_YY]), hypot(half, shear), NAN};
-  if (p.deviator > 1e-12 * fabs(p.mean)) p.angle = 0.5 * atan2(shear, half);
+  principal p = {0.5 * (t[STRESS_XX] + t[STRESS_YY]), math_hypot(half, shear), NAN};
+  if (p.deviator > 1e-12 * fabs(p.mean)) p.angle = 0.5 * math_atan2(shear, half);
   return p;
 }
 
@@ -144,7 +145,7 @@ static void sum_bodies(stress *s, const configuration *c, const region *g, scrat
     const double *v = b->velocity;
     room->n_bodies++;
     s->clumps += k >= c->model->n_disks;
-    resultant += hypot(b->force[0], b->force[1]);
+    resultant += math_hypot(b->force[0], b->force[1]);
     s->energy_translation += 0.5 * b->mass * (v[0] * v[0] + v[1] * v[1]);
     s->energy_rotation += 0.5 * b->inertia * v[2] * v[2];
   }

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "model/field_kinds.h"
@@ -35,7 +36,8 @@ static const char *bound_text(sd_bound bound) {
 /* Returns advice on dt, such as "take 8e-06 or less"; with Gear it also suggests Verlet if dt is
  * well below Verlet's limit. The caller frees it. */
 static char *better_step(const sd_model *m, const sd_step_limit *limit) {
-  double best = fmin(sd_model_shortest_period(m, NULL) / ADVISED_STEPS, limit->dt / FEWEST_VISCOUS);
+  double best =
+      math_min(sd_model_shortest_period(m, NULL) / ADVISED_STEPS, limit->dt / FEWEST_VISCOUS);
   sd_model other = *m;
   other.integrator = SD_VERLET;
   double verlet = sd_model_step_limit(&other).dt;
@@ -85,8 +87,8 @@ static double check_time_step(const sd_model *m, sd_messages *messages) {
   double period = sd_model_shortest_period(m, NULL);
   const sd_step_limit limit = sd_model_step_limit(m);
   bool unstable = m->dt > limit.dt, viscous = limit.bound == SD_BOUND_VISCOSITY;
-  double longest = fmin(period / FEWEST_STEPS, viscous ? limit.dt / FEWEST_VISCOUS : HUGE_VAL);
-  if (!(m->dt > fmin(longest, limit.dt))) return 0;
+  double longest = math_min(period / FEWEST_STEPS, viscous ? limit.dt / FEWEST_VISCOUS : HUGE_VAL);
+  if (!(m->dt > math_min(longest, limit.dt))) return 0;
   char *better = better_step(m, &limit);
   if (unstable)
     sd_warn(messages,
@@ -104,7 +106,7 @@ static double check_time_step(const sd_model *m, sd_messages *messages) {
         m->dt, FEWEST_VISCOUS, limit.dt, integrators[m->integrator], bound_text(limit.bound),
         better);
   free(better);
-  return m->dt / fmin(longest, limit.dt);
+  return m->dt / math_min(longest, limit.dt);
 }
 
 /* --- contact laws ----------------------------------------------------------------------------- */
@@ -137,7 +139,7 @@ static double each_law(const sd_model *m, law_visitor *visit, sd_messages *messa
   laws_count_uses(m, use);
   for (size_t a = 0; a < m->n_materials; a++)
     for (size_t b = a; b < m->n_materials; b++)
-      if (is_used(m, use, a, b)) worst = fmax(worst, visit(m, a, b, messages));
+      if (is_used(m, use, a, b)) worst = math_max(worst, visit(m, a, b, messages));
   free(use);
   return worst;
 }
@@ -229,16 +231,16 @@ static const char *out_of_reach(const sd_model *m, const sd_phase *p) {
 /* Collective. Smallest ratio settle.unbalanced that rounding of positions allows: the force
  * error eps/2 * |x| * k divided by the weight of the lightest disk; 0: no weight. */
 static double rounding(const sd_model *m) {
-  double g = hypot(m->gravity[0], m->gravity[1]), least = HUGE_VAL, farthest = 0, stiffest = 0;
+  double g = math_hypot(m->gravity[0], m->gravity[1]), least = HUGE_VAL, farthest = 0, stiffest = 0;
   for (size_t row = 0; row < rows_count(m); row++) {
     const sd_disk *d = rows_disk(m, row);
-    farthest = fmax(farthest, fmax(fabs(d->position[0]), fabs(d->position[1])));
-    if (!d->driven) least = fmin(least, d->mass * g);
+    farthest = math_max(farthest, math_max(fabs(d->position[0]), fabs(d->position[1])));
+    if (!d->driven) least = math_min(least, d->mass * g);
   }
   farthest = rows_largest(m, farthest);
   least = rows_least(m, least);
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
-    stiffest = fmax(stiffest, law_typical_stiffness(&m->laws[k], m->largest_radius));
+    stiffest = math_max(stiffest, law_typical_stiffness(&m->laws[k], m->largest_radius));
   return least > 0 && isfinite(least) ? DBL_EPSILON / 2 * farthest * stiffest / least : 0;
 }
 
@@ -248,14 +250,14 @@ static double check_settle(const sd_model *m, sd_messages *messages) {
     const sd_settle *s = &m->phases[k].settle;
     if (!s->asked) continue;
     const char *why = out_of_reach(m, &m->phases[k]);
-    if (why) worst = fmax(worst, warn_of_phase(m, k, messages, why));
+    if (why) worst = math_max(worst, warn_of_phase(m, k, messages, why));
     double least = s->unbalanced > 0 ? rounding(m) : 0;
     if (!(s->unbalanced < least)) continue;
     char *text =
         format_text("settle.unbalanced = %g is below %.2g, the rounding of positions against the "
                     "overlap under a weight: take more",
                     s->unbalanced, least);
-    worst = fmax(worst, warn_of_phase(m, k, messages, text));
+    worst = math_max(worst, warn_of_phase(m, k, messages, text));
     free(text);
   }
   return worst;
@@ -282,7 +284,7 @@ double sd_model_compress_time(const sd_model *m, size_t phase) {
   for (size_t k = 0; k < phase; k++)
     if (m->phases[k].compress.asked) from = m->phases[k].compress.fraction;
   const sd_compress *c = &m->phases[phase].compress;
-  return c->asked && c->fraction > 0 && from > 0 ? fabs(log(c->fraction / from)) / 2 / c->rate
+  return c->asked && c->fraction > 0 && from > 0 ? fabs(math_log(c->fraction / from)) / 2 / c->rate
                                                  : NAN;
 }
 
@@ -312,7 +314,7 @@ static double check_compress(const sd_model *m, sd_messages *messages) {
                          needed, time);
     text = append_text(text, "; with settle = { unbalanced = 1e-3; } it ends there");
     warn_of_phase(m, k, messages, text);
-    worst = fmax(worst, ratio);
+    worst = math_max(worst, ratio);
     free(text);
   }
   return worst;
@@ -430,9 +432,9 @@ static bool waits(const sd_model *m, uint32_t body) {
 
 /* Returns the weight of the lighter free disk in an overlap. d: disk o->a. */
 static double lighter_weight(const sd_model *m, const sd_disk *d, const overlap *o) {
-  const double g = hypot(m->gravity[0], m->gravity[1]);
+  const double g = math_hypot(m->gravity[0], m->gravity[1]);
   double mass = d->driven ? HUGE_VAL : d->mass;
-  if (is_free(m, o->b)) mass = fmin(mass, m->disks[o->b].mass);
+  if (is_free(m, o->b)) mass = math_min(mass, m->disks[o->b].mass);
   return mass * g;
 }
 
@@ -526,7 +528,7 @@ static double check_watches(const sd_model *m, sd_messages *messages) {
               "is the partner the one that is meant?",
               sd_model_body_name(m, w->disk, one, sizeof one),
               sd_model_body_name(m, w->partner[c], two, sizeof two), gap, ratio);
-      worst = fmax(worst, ratio);
+      worst = math_max(worst, ratio);
     }
   return worst;
 }

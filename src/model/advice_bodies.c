@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "model/advice.h"
@@ -91,14 +92,14 @@ static bool lies_on(const sd_wall *w, size_t k, const wall_end *e, double near, 
     s->radius = w->radius;
     for (int c = 0; c < 2; c++) s->normal[c] = (e->at[c] - s->center[c]) / w->radius;
     const double angle =
-        remainder(atan2(s->normal[1], s->normal[0]) - 0.5 * (w->from + w->to), 2.0 * M_PI);
-    return fabs(hypot(s->normal[0], s->normal[1]) - 1.0) * w->radius <= near &&
+        remainder(math_atan2(s->normal[1], s->normal[0]) - 0.5 * (w->from + w->to), 2.0 * M_PI);
+    return fabs(math_hypot(s->normal[0], s->normal[1]) - 1.0) * w->radius <= near &&
            (w->kind == SD_WALL_CIRCLE ||
             (0.5 * (w->to - w->from) - fabs(angle)) * w->radius > near);
   }
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
   const double along[2] = {q[0] - p[0], q[1] - p[1]}, from[2] = {e->at[0] - p[0], e->at[1] - p[1]};
-  const double length = hypot(along[0], along[1]), on = dot(along, from) / length;
+  const double length = math_hypot(along[0], along[1]), on = dot(along, from) / length;
   const bool first = k == 0 && !w->closed, last = k + 2 == w->n_points && !w->closed;
   s->normal[0] = -along[1] / length;
   s->normal[1] = along[0] / length;
@@ -113,7 +114,7 @@ static bool is_on_other_side(const double at[2], const void *user) {
   const surface *s = user;
   double side;
   if (s->center) {
-    side = hypot(at[0] - s->center[0], at[1] - s->center[1]) - s->radius;
+    side = math_hypot(at[0] - s->center[0], at[1] - s->center[1]) - s->radius;
   } else {
     const double p[2] = {at[0] - s->at[0], at[1] - s->at[1]};
     side = dot(s->normal, p);
@@ -132,8 +133,8 @@ static void bounds_of(const sd_wall *w, double *lower, double *upper) {
   *lower = w->kind == SD_WALL_CIRCLE ? w->pivot[0] - w->radius : HUGE_VAL;
   *upper = w->kind == SD_WALL_CIRCLE ? w->pivot[0] + w->radius : -HUGE_VAL;
   for (size_t k = 0; k < w->n_points; k++) {
-    *lower = fmin(*lower, w->points[k][0]);
-    *upper = fmax(*upper, w->points[k][0]);
+    *lower = math_min(*lower, w->points[k][0]);
+    *upper = math_max(*upper, w->points[k][0]);
   }
   if (w->kind == SD_WALL_ARC) *lower = w->center[0] - w->radius, *upper = w->center[0] + w->radius;
   if (w->kind == SD_WALL_LINE) *lower = -HUGE_VAL, *upper = HUGE_VAL;
@@ -201,7 +202,7 @@ double advice_joints(const sd_model *m, sd_messages *messages) {
            "they move apart, so a disk there feels both; name both in the same motions, or "
            "draw them as one polyline",
            messages);
-  return fmax(
+  return math_max(
       apart,
       tell(m, &surfaces, "ends on",
            "a disk on its other side feels both there; let the first end before it, or draw the "
@@ -285,7 +286,7 @@ typedef struct meeting {
  * wall. */
 static double smaller(const sd_model *m, uint32_t disk, uint32_t body) {
   const double radius = m->disks[disk].radius;
-  return body < m->n_disks ? fmin(radius, m->disks[body].radius) : radius;
+  return body < m->n_disks ? math_min(radius, m->disks[body].radius) : radius;
 }
 
 /* True if the two bodies have moved relative to each other. */
@@ -304,8 +305,8 @@ static void look(const sd_model *m, const bodies *p, meeting *worst) {
       const double gap = parted(m, disk, body, p->all) ? gap_of(m, disk, body, p->all) : 0;
       if (!(gap < 0)) continue;
       const double radius = smaller(m, disk, body),
-                   deeper = -gap + fmin(overlaps_first_gap(m, disk, body), 0);
-      if (deeper > fmax(LEAST_OVERLAP, worst->depth) * radius)
+                   deeper = -gap + math_min(overlaps_first_gap(m, disk, body), 0);
+      if (deeper > math_max(LEAST_OVERLAP, worst->depth) * radius)
         *worst = (meeting){disk, body, deeper / radius};
     }
 }
@@ -413,7 +414,7 @@ static double check_cycles(const sd_model *m, sd_messages *messages) {
 double advice_motions(const sd_model *m, sd_messages *messages) {
   const double far = check_stride(m, messages), jump = check_jump(m, messages),
                cycle = check_cycles(m, messages);
-  return fmax(far, fmax(jump, cycle));
+  return math_max(far, math_max(jump, cycle));
 }
 
 /* --- warnings about set-ups with fields that are seldom intended ------------------------------ */
@@ -513,7 +514,7 @@ static double check_frame(const sd_model *m, size_t k, sd_messages *messages) {
   if (m->gravity[SD_X] == 0 && m->gravity[SD_Y] == 0) return worst;
   warn_of_field(m, k, messages, 1,
                 format_text("gravity turns with the frame: it has a fixed direction in it"));
-  return fmax(worst, 1);
+  return math_max(worst, 1);
 }
 
 /* Warns about a force field that no phase of the run switches on. */
@@ -578,7 +579,7 @@ static double pull_of(const sd_model *m, int axis) {
 
 /* Warns about disks that fall without end along a periodic direction. */
 static double check_falls(const sd_model *m, sd_messages *messages) {
-  const double g = hypot(m->gravity[SD_X], m->gravity[SD_Y]);
+  const double g = math_hypot(m->gravity[SD_X], m->gravity[SD_Y]);
   double found = 0;
   for (int axis = SD_X; axis <= SD_Y; axis++) {
     const bool rounding = fabs(m->gravity[axis]) < 1e-12 * g;
@@ -599,12 +600,12 @@ static double check_falls(const sd_model *m, sd_messages *messages) {
 }
 
 double advice_fields(const sd_model *m, sd_messages *messages) {
-  double worst = fmax(m->n_fields ? check_drag(m, messages) : 0, check_falls(m, messages));
+  double worst = math_max(m->n_fields ? check_drag(m, messages) : 0, check_falls(m, messages));
   for (size_t k = 0; k < m->n_fields; k++) {
-    worst = fmax(worst, check_periodic(m, k, messages));
-    worst = fmax(worst, check_sheared(m, k, messages));
-    worst = fmax(worst, check_frame(m, k, messages));
-    worst = fmax(worst, check_off(m, k, messages));
+    worst = math_max(worst, check_periodic(m, k, messages));
+    worst = math_max(worst, check_sheared(m, k, messages));
+    worst = math_max(worst, check_frame(m, k, messages));
+    worst = math_max(worst, check_off(m, k, messages));
   }
   return worst;
 }

@@ -5,13 +5,15 @@
 
 #include <math.h>
 
+#include "base/math.h"
+
 /* The box must be longer than twice the range of neighbour lists, which may be 1.2 times the
  * distance at which disks touch plus the longest range of attraction of any law. */
 double cell_least_length(const sd_model *m, double *reach) {
   const double farthest = laws_range(m);
   double largest = 0.0;
   for (size_t row = 0; row < rows_count(m); row++)
-    largest = fmax(largest, rows_disk(m, row)->radius);
+    largest = math_max(largest, rows_disk(m, row)->radius);
   if (reach) *reach = farthest;
   return 4.0 * rows_largest(m, largest) * 1.2 + 2.0 * farthest;
 }
@@ -72,7 +74,7 @@ static void check_rates(const sd_model *m, size_t phase, sd_messages *msg) {
   bool controlled = false;
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
     controlled |= c->controlled[k];
-    if (c->controlled[k]) largest = fmax(largest, fabs(c->stress[k]));
+    if (c->controlled[k]) largest = math_max(largest, fabs(c->stress[k]));
     if (!(fabs(c->rate[k]) * m->dt <= 1e-3))
       fail_about(msg,
                  about_value(about_path("phases[%zu].cell.rate_%s", phase, component[k]), "%g",
@@ -110,7 +112,7 @@ static void check_lengths(const sd_model *m, int c, sd_messages *msg) {
     const bool ends_early = p->settle.asked || (m->until.asked && k + 1 == m->n_phases);
     if (p->compress.asked || (p->cell.asked && p->cell.controlled[component])) return;
     if (rate != 0.0 && ends_early) return;
-    length *= exp(rate * (double)p->steps * m->dt);
+    length *= math_exp(rate * (double)p->steps * m->dt);
     if (length > least || rate == 0.0) continue;
     fail_about(msg, about_value(about_path("phases[%zu].cell.%s", k, keys[c]), "%g", rate),
                "the box is %.4g long in %c at the end of this phase; expected more than %.4g, 4.8 "

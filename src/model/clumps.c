@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "base/buckets.h"
+#include "base/math.h"
 #include "base/memory.h"
 
 size_t sd_model_clumps(const sd_model *m) { return m->n_clumps; }
@@ -71,7 +72,7 @@ static double gap_of(const sd_model *m, uint32_t a, uint32_t b) {
   double d[2];
   for (int c = 0; c < 2; c++)
     d[c] = q->position[c] - p->position[c] - period(m, c) * periods(m, a, b, c);
-  return hypot(d[0], d[1]) - (p->radius + q->radius);
+  return math_hypot(d[0], d[1]) - (p->radius + q->radius);
 }
 
 /* Places disk k of a clump beside its nearest disk that is already placed. Then updates the gaps
@@ -126,8 +127,8 @@ static double radius_of(const sd_model *m, const member *of, size_t n) {
       for (int q = 0; q < 2 && pass == 0; q++) centre[q] += d->mass * at[q];
       if (pass == 0) mass += d->mass;
       if (pass == 1)
-        radius =
-            fmax(radius, hypot(at[0] - centre[0] / mass, at[1] - centre[1] / mass) + d->radius);
+        radius = math_max(radius, math_hypot(at[0] - centre[0] / mass, at[1] - centre[1] / mass) +
+                                      d->radius);
     }
   }
   return radius;
@@ -177,7 +178,7 @@ static double widest(const member *of, size_t a, size_t b) {
   for (size_t k = b; k; k = of[k].beside) up_b++;
   while (a != b) {
     size_t *k = up_a >= up_b ? &a : &b;
-    most = fmax(most, of[*k].gap);
+    most = math_max(most, of[*k].gap);
     *k = of[*k].beside;
     *(k == &a ? &up_a : &up_b) -= 1;
   }
@@ -206,7 +207,7 @@ sd_disk clump_effective_disk(const sd_model *m, size_t disk) {
   size_t n = 0;
   while (c->disks[n] != disk) n++;
   const double *offset = m->clump_offsets[(c->disks - m->clump_disks) + (ptrdiff_t)n];
-  const double arm = hypot(offset[0], offset[1]), end = arm + d.radius;
+  const double arm = math_hypot(offset[0], offset[1]), end = arm + d.radius;
   for (int q = 0; q < SD_COORDINATES; q++) d.locked[q] = c->locked[q];
   const double turns = d.locked[SD_THETA] ? 0.0 : 1.0 / c->inertia;
   d.mass = 1.0 / (1.0 / c->mass + arm * arm * turns);
@@ -268,7 +269,7 @@ static void check_length(const sd_model *m, size_t k, const member *of, sd_messa
   const unsigned around = c->locked[SD_THETA] ? 0 : closes_around(m, of, c->n_disks);
   double reach = 0.0;
   for (size_t n = 0; n < c->n_disks; n++)
-    reach = fmax(reach, hypot(offset[n][0], offset[n][1]) + m->disks[c->disks[n]].radius);
+    reach = math_max(reach, math_hypot(offset[n][0], offset[n][1]) + m->disks[c->disks[n]].radius);
   for (int q = 0; q < 2; q++)
     if (m->periodic[q] && !c->locked[SD_THETA] && !(2.0 * reach < m->upper[q] - m->lower[q]))
       fail_about(msg, about_clump(m, k),

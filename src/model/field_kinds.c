@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 
 #define SHAPE(kind, word, keys, meaning) {#word, kind, keys, meaning},
@@ -126,7 +127,7 @@ double body_forces_drag_rate(const sd_model *m, uint32_t *disk) {
   double worst = 0;
   uint32_t first = 0;
   for (size_t row = 0; rates && row < rows_count(m); row++) {
-    const double rate = fmax(rates[row].drag, rates[row].turn_drag);
+    const double rate = math_max(rates[row].drag, rates[row].turn_drag);
     if (!(rate > worst)) continue;
     worst = rate;
     first = rows_number(m, row);
@@ -146,9 +147,9 @@ void body_forces_limit(const sd_model *m, sd_step_limit *limit) {
   field_rates *rates = rates_of(m);
   for (size_t row = 0; rates && row < rows_count(m); row++) {
     const field_rates *r = &rates[row];
-    const double rate = m->integrator == SD_GEAR5 ? fmax(r->drag, r->turn_drag) : 0;
+    const double rate = m->integrator == SD_GEAR5 ? math_max(r->drag, r->turn_drag) : 0;
     double dt = rate > 0 ? GEAR_DRAG / rate : HUGE_VAL;
-    if (r->spring2 > 0) dt = fmin(dt, 1 / sqrt(SPRING[m->integrator] * r->spring2));
+    if (r->spring2 > 0) dt = math_min(dt, 1 / sqrt(SPRING[m->integrator] * r->spring2));
     if (dt < limit->dt)
       *limit = (sd_step_limit){.dt = dt, .disk = rows_number(m, row), .bound = SD_BOUND_FIELD};
   }
@@ -193,7 +194,7 @@ static void check_damping(const sd_model *m, sd_messages *msg) {
       double *of = sum + 2 * (f->n_disks ? f->disks[n] : n);
       of[0] += f->alpha;
       of[1] += f->alpha_rotation;
-      if (fmax(of[0], of[1]) > worst) worst = fmax(of[0], of[1]), at = k;
+      if (math_max(of[0], of[1]) > worst) worst = math_max(of[0], of[1]), at = k;
     }
   }
   free(sum);

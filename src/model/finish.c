@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/advice.h"
 #include "model/cell.h"
@@ -374,10 +375,10 @@ static const double COARSE = 0.01;
 
 /* Largest absolute coordinate of a wall. */
 static double farthest_of(const sd_wall *w) {
-  double far = fmax(fabs(w->pivot[0]), fabs(w->pivot[1]));
-  if (w->kind == SD_WALL_ARC) far = fmax(far, fmax(fabs(w->center[0]), fabs(w->center[1])));
+  double far = math_max(fabs(w->pivot[0]), fabs(w->pivot[1]));
+  if (w->kind == SD_WALL_ARC) far = math_max(far, math_max(fabs(w->center[0]), fabs(w->center[1])));
   for (size_t k = 0; k < w->n_points; k++)
-    far = fmax(far, fmax(fabs(w->points[k][0]), fabs(w->points[k][1])));
+    far = math_max(far, math_max(fabs(w->points[k][0]), fabs(w->points[k][1])));
   return far;
 }
 
@@ -396,7 +397,7 @@ static bool tell_rounding(const sd_model *m, size_t body, double far, sd_message
 static void check_rounding(const sd_model *m, sd_messages *msg) {
   for (size_t row = 0; row < rows_count(m); row++) {
     const double *at = rows_disk(m, row)->position;
-    if (tell_rounding(m, rows_number(m, row), fmax(fabs(at[0]), fabs(at[1])), msg)) return;
+    if (tell_rounding(m, rows_number(m, row), math_max(fabs(at[0]), fabs(at[1])), msg)) return;
   }
   for (size_t w = 0; w < m->n_walls; w++)
     if (tell_rounding(m, m->n_disks + w, farthest_of(&m->walls[w]), msg)) return;
@@ -485,8 +486,8 @@ static void derive_numbers(sd_model *m) {
     const sd_disk *d = rows_disk(m, row);
     inverse += 1.0 / d->radius;
     if (d->driven) continue;
-    largest = fmax(largest, d->radius);
-    smallest = fmin(smallest, d->radius);
+    largest = math_max(largest, d->radius);
+    smallest = math_min(smallest, d->radius);
   }
   m->mean_radius = (double)m->n_disks / rows_sum(m, inverse);
   m->largest_radius = rows_largest(m, largest);

@@ -12,6 +12,7 @@
 
 #include <math.h>
 
+#include "base/math.h"
 #include "model/model.h"
 
 /* Returns a/b, or 0 if b is 0. */
@@ -41,7 +42,8 @@ static inline bool law_is_constant(const sd_contact_law *l) {
   ROW(LAW_COHESION, range, l->cohesion == SD_COHESION_NONE ? 0.0 : l->range)                       \
   ROW(LAW_COHESION, per_range, l->cohesion == SD_COHESION_NONE ? 0.0 : law_ratio(1.0, l->range))   \
   /* attraction over pull_off at the gap where a bridge breaks */                                  \
-  ROW(LAW_COHESION, broken, law_is_bridge(l) ? exp(-l->rupture *law_ratio(1.0, l->range)) : 0.0)   \
+  ROW(LAW_COHESION, broken,                                                                        \
+      law_is_bridge(l) ? math_exp(-l->rupture *law_ratio(1.0, l->range)) : 0.0)                    \
   /* gaps at which a contact begins and ends */                                                    \
   ROW(LAW_COHESION, begins, law_is_constant(l) ? l->range : 0.0)                                   \
   ROW(LAW_COHESION, ends, law_is_constant(l) ? l->range : law_is_bridge(l) ? l->rupture : 0.0)

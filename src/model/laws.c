@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "model/law_cohesion.h"
@@ -119,11 +120,11 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
 }
 
 double law_pull(const sd_contact_law *law, double delta) {
-  const double gap = fmax(-delta, 0.0);
+  const double gap = math_max(-delta, 0.0);
   switch (law->cohesion) {
     case SD_COHESION_CONSTANT:
-      return gap > 0.0 ? law->pull_off * fmax(1.0 - gap / law->range, 0.0) : law->pull_off;
-    case SD_COHESION_BRIDGE: return law->pull_off * exp(-gap / law->range);
+      return gap > 0.0 ? law->pull_off * math_max(1.0 - gap / law->range, 0.0) : law->pull_off;
+    case SD_COHESION_BRIDGE: return law->pull_off * math_exp(-gap / law->range);
     case SD_COHESION_NONE: break;
   }
   return 0.0;
@@ -157,7 +158,7 @@ static double reach_of(const sd_contact_law *law) {
 double laws_range(const sd_model *m) {
   double farthest = 0.0;
   for (size_t k = 0; m->laws && k < m->n_materials * m->n_materials; k++)
-    farthest = fmax(farthest, reach_of(&m->laws[k]));
+    farthest = math_max(farthest, reach_of(&m->laws[k]));
   return farthest;
 }
 

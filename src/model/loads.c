@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+#include "base/math.h"
 #include "model/motions.h"
 #include "model/normal_laws.h"
 #include "model/rows.h"
@@ -41,7 +42,7 @@ int sd_model_side(const sd_model *m, uint32_t body, int coordinate) {
   if (w->inside || w->closed || (w->kind != SD_WALL_CIRCLE && w->n_points < 2)) return 0;
   if (w->kind == SD_WALL_LINE || w->kind == SD_WALL_SEGMENT) {
     const double *p = w->points[0], *q = w->points[1];
-    double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
+    double dx = q[0] - p[0], dy = q[1] - p[1], length = math_hypot(dx, dy);
     double normal[2] = {-dy / length, dx / length};
     if (fabs(normal[coordinate]) < 1e-9) return 0;
     double away = (disks[0] - p[0]) * normal[0] + (disks[1] - p[1]) * normal[1];
@@ -145,9 +146,9 @@ static double disks_along(const sd_model *m, const sd_wall *wall, int across) {
   for (size_t row = 0; row < rows_count(m); row++) {
     const sd_disk *d = rows_disk(m, row);
     if (d->driven) continue;
-    low = fmin(low, d->position[across] - d->radius);
-    high = fmax(high, d->position[across] + d->radius);
-    radius = fmin(radius, d->radius);
+    low = math_min(low, d->position[across] - d->radius);
+    high = math_max(high, d->position[across] + d->radius);
+    radius = math_min(radius, d->radius);
   }
   low = rows_least(m, low);
   high = rows_largest(m, high);
@@ -155,9 +156,9 @@ static double disks_along(const sd_model *m, const sd_wall *wall, int across) {
   if (m->region_upper[across] > m->region_lower[across])
     high = low + m->region_upper[across] - m->region_lower[across];
   if (wall->kind == SD_WALL_SEGMENT)
-    high = low +
-           hypot(wall->points[1][0] - wall->points[0][0], wall->points[1][1] - wall->points[0][1]);
-  return fmin(fmax(floor((high - low) / (2.0 * radius)), 1.0), (double)m->n_free);
+    high = low + math_hypot(wall->points[1][0] - wall->points[0][0],
+                            wall->points[1][1] - wall->points[0][1]);
+  return math_min(math_max(floor((high - low) / (2.0 * radius)), 1.0), (double)m->n_free);
 }
 
 void loads_check_steps(const sd_model *m, sd_messages *msg) {
@@ -167,12 +168,12 @@ void loads_check_steps(const sd_model *m, sd_messages *msg) {
     const sd_wall *wall = &m->walls[q->bodies[0] - m->n_disks];
     double largest = 0.0; /* largest radius of any disk */
     for (size_t row = 0; row < rows_count(m); row++)
-      largest = fmax(largest, rows_disk(m, row)->radius);
+      largest = math_max(largest, rows_disk(m, row)->radius);
     largest = rows_largest(m, largest);
     double stiffness = 0.0, n = disks_along(m, wall, q->coordinate == SD_X ? SD_Y : SD_X);
     for (int b = 0; b < (int)m->n_materials; b++)
       stiffness =
-          fmax(stiffness, law_typical_stiffness(sd_model_law(m, wall->material, b), largest));
+          math_max(stiffness, law_typical_stiffness(sd_model_law(m, wall->material, b), largest));
     double period = 2.0 * M_PI * sqrt(q->mass / (n * stiffness));
     if (m->dt * STEPS_PER_PERIOD > period)
       sd_warn(msg,

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "model/walls.h"
@@ -556,8 +557,7 @@ bool arc_is_ring(const sd_wall *w) { return w->to - w->from >= ARC_RING - 1e-9; 
 /* Unit vector at an angle; exact at multiples of a quarter turn, where most arcs end and cos and
  * sin would be rounded. */
 static void direction(double angle, double d[2]) {
-  d[0] = cos(angle);
-  d[1] = sin(angle);
+  math_sine_cosine(angle, &d[1], &d[0]);
   for (int c = 0; c < 2; c++)
     if (fabs(d[c]) < 1e-15) {
       d[c] = 0.0;
@@ -611,12 +611,12 @@ void arc_segments(const sd_wall *w, uint32_t body, sd_segment piece[3], int64_t 
 double arc_distance(const sd_wall *w, const double at[2]) {
   const double x = at[0] - w->center[0], y = at[1] - w->center[1];
   const double middle = 0.5 * (w->from + w->to), half = 0.5 * (w->to - w->from);
-  if (fabs(remainder(atan2(y, x) - middle, 2.0 * M_PI)) <= half)
-    return fabs(hypot(x, y) - w->radius);
+  if (fabs(remainder(math_atan2(y, x) - middle, 2.0 * M_PI)) <= half)
+    return fabs(math_hypot(x, y) - w->radius);
   double end[2], nearest = HUGE_VAL;
   for (int k = 0; k < 2; k++) {
     direction(k ? w->to : w->from, end);
-    nearest = fmin(nearest, hypot(x - w->radius * end[0], y - w->radius * end[1]));
+    nearest = math_min(nearest, math_hypot(x - w->radius * end[0], y - w->radius * end[1]));
   }
   return nearest;
 }

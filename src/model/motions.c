@@ -12,6 +12,7 @@
 #define LANE_WIDTH 1
 #include "base/lane.h"
 
+#include "base/math.h"
 #include "model/waveforms.h"
 
 /* --- kinds of motion -------------------------------------------------------------------------- */
@@ -102,7 +103,7 @@ double motion_at(const sd_motion *q, double t) {
   if (motion_source(q) == SIGNAL_STEADY) return part * q->velocity * t;
   if (motion_source(q) == SIGNAL_TABLE) return part * table_at(q, t);
   if (!motion_is_wave(q)) return 0;
-  if (q->kind == SD_MOTION_HARMONIC) return part * q->amplitude * sin(q->omega * t + q->phase);
+  if (q->kind == SD_MOTION_HARMONIC) return part * q->amplitude * math_sin(q->omega * t + q->phase);
   motion_shape(q, shape);
   wave_at_w1(q->kind, (q->omega * t + q->phase) / (2 * M_PI), shape, &u, &v);
   return part * u;
@@ -119,8 +120,8 @@ static double table_stride(const sd_motion *q, double dt) {
   double most = 0;
   for (size_t r = 0; r < q->n_table; r++) {
     const double here = q->amplitude * q->table_value[r], t = q->table_time[r];
-    if (t + dt > 0) most = fmax(most, fabs(table_at(q, t + dt) - here));
-    if (t > 0) most = fmax(most, fabs(table_at(q, fmax(t - dt, 0)) - here));
+    if (t + dt > 0) most = math_max(most, fabs(table_at(q, t + dt) - here));
+    if (t > 0) most = math_max(most, fabs(table_at(q, math_max(t - dt, 0)) - here));
   }
   return most;
 }
@@ -131,13 +132,13 @@ double motion_stride(const sd_motion *q, double dt) {
     case SIGNAL_STEADY: return fabs(q->velocity) * dt;
     case SIGNAL_TABLE: return table_stride(q, dt);
     case SIGNAL_RANDOM:
-      return 3 * fabs(q->amplitude) * fmin(q->omega * dt * (double)q->interval, 2) /
+      return 3 * fabs(q->amplitude) * math_min(q->omega * dt * (double)q->interval, 2) /
              (double)q->interval;
     case SIGNAL_FEEDBACK: return q->kind == SD_MOTION_SERVO ? q->velocity * dt : 0;
     case SIGNAL_WAVE: break;
   }
   motion_shape(q, shape); /* shape[1] is the largest velocity of the wave */
-  return fmin(fabs(shape[1]) * dt, 2 * fabs(q->amplitude));
+  return math_min(fabs(shape[1]) * dt, 2 * fabs(q->amplitude));
 }
 
 /* --- prescribed disks ------------------------------------------------------------------------- */
@@ -222,9 +223,9 @@ double strides_arm(const sd_model *m, uint32_t body) {
   double ends = 0;
   if (w->kind == SD_WALL_CIRCLE) return 0;
   if (w->kind == SD_WALL_ARC)
-    ends = hypot(w->center[0] - w->pivot[0], w->center[1] - w->pivot[1]) + w->radius;
+    ends = math_hypot(w->center[0] - w->pivot[0], w->center[1] - w->pivot[1]) + w->radius;
   for (size_t k = 0; k < w->n_points; k++)
-    ends = fmax(ends, hypot(w->points[k][0] - w->pivot[0], w->points[k][1] - w->pivot[1]));
+    ends = math_max(ends, math_hypot(w->points[k][0] - w->pivot[0], w->points[k][1] - w->pivot[1]));
   return ends;
 }
 
@@ -290,6 +291,6 @@ double strides_first_jump(const sd_model *m, size_t motion) {
   const sd_motion *q = &m->motions[motion];
   double most = 0;
   if (!runs(m, motion)) return 0;
-  for (size_t b = 0; b < q->n_bodies; b++) most = fmax(most, lever(m, q, q->bodies[b]));
+  for (size_t b = 0; b < q->n_bodies; b++) most = math_max(most, lever(m, q, q->bodies[b]));
   return most * fabs(motion_first(q));
 }

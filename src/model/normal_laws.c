@@ -1,5 +1,6 @@
 /* normal_laws.c: the table of normal contact laws, and damping from a coefficient of
  * restitution; see normal_laws.h. */
+#include "base/math.h"
 #include "model/normal_laws.h"
 
 #define ROW_OF(number, word, keys, meaning)                                                        \
@@ -20,17 +21,17 @@ static double restitution_of(double b) {
   double t;
   if (b < 1.0) {
     double w = sqrt((1.0 - b) * (1.0 + b));
-    t = 2.0 * atan2(w, b) / w;
+    t = 2.0 * math_atan2(w, b) / w;
   } else {
     double v = sqrt((b - 1.0) * (b + 1.0));
-    t = v > 0.0 ? 2.0 * log(b + v) / v : 2.0;
+    t = v > 0.0 ? 2.0 * math_log(b + v) / v : 2.0;
   }
-  return exp(-b * t);
+  return math_exp(-b * t);
 }
 
 double law_damping_ratio(double e, bool pulls) {
   if (pulls) /* inverse of e = exp(-pi b/sqrt(1 - b^2)) */
-    return -log(e) / hypot(M_PI, log(e));
+    return -math_log(e) / math_hypot(M_PI, math_log(e));
   double low = 0.0, high = 1.0;
   while (restitution_of(high) > e && high < 1e6) high *= 2.0;
   for (int k = 0; k < 200 && high - low > 1e-16 * high; k++) {

@@ -13,6 +13,7 @@
 #include <string.h>
 
 #include "base/buckets.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/clumps.h"
 #include "model/laws.h"
@@ -73,7 +74,7 @@ static size_t hash(const level *l, double i, double j) {
   enum { SIDE = 8 };
   const double p = floor(i / SIDE) + 0.0, q = floor(j / SIDE) + 0.0;
   const uint64_t block = mixed(p, q),
-                 within = (uint64_t)fmax(0.0, (i - SIDE * p) + SIDE * (j - SIDE * q));
+                 within = (uint64_t)math_max(0.0, (i - SIDE * p) + SIDE * (j - SIDE * q));
   return l->first + (size_t)((block ^ within) & (l->n_cells - 1));
 }
 
@@ -101,7 +102,7 @@ static bool check_cell(grid *g, const level *l, size_t i, const double at[2], do
     /* another cell may have the same hash */
     if (cell_of(l, x) != p || cell_of(l, y) != q) continue;
     const size_t j = (size_t)(d - disks);
-    const double r = hypot(dx, dy);
+    const double r = math_hypot(dx, dy);
     const overlap found = {(uint32_t)i, (uint32_t)j, i, own->radius + d->radius - r, r == 0};
     if (found.depth > 0 && !clumps_join(g->m, i, j) && g->visit(g->user, &found)) return true;
   }
@@ -226,8 +227,8 @@ sd_status overlaps_of_disks(const sd_model *m, overlap_visitor *visit, void *use
 static double distance_to_segment(const double *p, const double *a, const double *b, bool endless) {
   double tx = b[0] - a[0], ty = b[1] - a[1], l2 = tx * tx + ty * ty;
   double s = ((p[0] - a[0]) * tx + (p[1] - a[1]) * ty) / l2;
-  if (!endless) s = fmax(0, fmin(1, s));
-  return hypot(p[0] - a[0] - s * tx, p[1] - a[1] - s * ty);
+  if (!endless) s = math_max(0, math_min(1, s));
+  return math_hypot(p[0] - a[0] - s * tx, p[1] - a[1] - s * ty);
 }
 
 /* The segments of a wall in a binary tree of bounding boxes, so that a disk examines few
@@ -256,12 +257,12 @@ static wall_tree make_tree(const sd_wall *wall) {
     for (size_t i = 0; i < t.leaves; i++) { /* unused leaves are empty boxes */
       double one = i < t.n ? wall->points[i][c] : HUGE_VAL;
       double two = i < t.n ? wall->points[(i + 1) % wall->n_points][c] : -HUGE_VAL;
-      t.low[t.leaves + i][c] = endless ? -HUGE_VAL : i < t.n ? fmin(one, two) : one;
-      t.high[t.leaves + i][c] = endless ? HUGE_VAL : i < t.n ? fmax(one, two) : two;
+      t.low[t.leaves + i][c] = endless ? -HUGE_VAL : i < t.n ? math_min(one, two) : one;
+      t.high[t.leaves + i][c] = endless ? HUGE_VAL : i < t.n ? math_max(one, two) : two;
     }
     for (size_t k = t.leaves; k-- > 1;) {
-      t.low[k][c] = fmin(t.low[2 * k][c], t.low[2 * k + 1][c]);
-      t.high[k][c] = fmax(t.high[2 * k][c], t.high[2 * k + 1][c]);
+      t.low[k][c] = math_min(t.low[2 * k][c], t.low[2 * k + 1][c]);
+      t.high[k][c] = math_max(t.high[2 * k][c], t.high[2 * k + 1][c]);
     }
   }
   return t;
@@ -269,15 +270,15 @@ static wall_tree make_tree(const sd_wall *wall) {
 
 /* Distance from p to the nearest segment below a node, or `nearest` if none is nearer. */
 static double nearest_segment(const wall_tree *t, size_t node, const double *p, double nearest) {
-  double dx = fmax(t->low[node][0] - p[0], p[0] - t->high[node][0]);
-  double dy = fmax(t->low[node][1] - p[1], p[1] - t->high[node][1]);
-  if (fmax(dx, dy) >= nearest) return nearest;
+  double dx = math_max(t->low[node][0] - p[0], p[0] - t->high[node][0]);
+  double dy = math_max(t->low[node][1] - p[1], p[1] - t->high[node][1]);
+  if (math_max(dx, dy) >= nearest) return nearest;
   if (node < t->leaves)
     return nearest_segment(t, 2 * node + 1, p, nearest_segment(t, 2 * node, p, nearest));
   size_t k = node - t->leaves;
   const sd_wall *w = t->wall;
-  return fmin(nearest, distance_to_segment(p, w->points[k], w->points[(k + 1) % w->n_points],
-                                           w->kind == SD_WALL_LINE));
+  return math_min(nearest, distance_to_segment(p, w->points[k], w->points[(k + 1) % w->n_points],
+                                               w->kind == SD_WALL_LINE));
 }
 
 /* Overlap of a disk at p with a wall, without periodic images; <= 0: none. Walls other than
@@ -285,10 +286,10 @@ static double nearest_segment(const wall_tree *t, size_t node, const double *p, 
 static double depth_in_one(const wall_tree *t, const double *p, double radius) {
   const sd_wall *wall = t->wall;
   if (wall->kind == SD_WALL_CIRCLE) {
-    double r = hypot(p[0] - wall->pivot[0], p[1] - wall->pivot[1]);
+    double r = math_hypot(p[0] - wall->pivot[0], p[1] - wall->pivot[1]);
     return wall->inside ? radius + r - wall->radius : radius + wall->radius - r;
   }
-  if (wall->kind == SD_WALL_ARC) return radius - fmin(radius, arc_distance(wall, p));
+  if (wall->kind == SD_WALL_ARC) return radius - math_min(radius, arc_distance(wall, p));
   return t->n ? radius - nearest_segment(t, 1, p, radius) : 0;
 }
 
@@ -299,7 +300,7 @@ static double depth_in_wall(const sd_model *m, const wall_tree *t, const double 
   for (int64_t v = (int64_t)r.first[1]; v <= (int64_t)r.last[1]; v++)
     for (int64_t u = (int64_t)r.first[0]; u <= (int64_t)r.last[0]; u++) {
       const double at[2] = {p[0] + (double)u * r.length[0], p[1] + (double)v * r.length[1]};
-      deepest = fmax(deepest, depth_in_one(t, at, radius));
+      deepest = math_max(deepest, depth_in_one(t, at, radius));
     }
   return deepest;
 }
@@ -327,7 +328,7 @@ static double other_radius(const sd_model *m, const overlap *o) {
   const double *p = rows_disk(m, o->row)->position;
   if (w->kind == SD_WALL_CIRCLE) return w->inside ? -w->radius : w->radius;
   if (w->kind != SD_WALL_ARC) return 0.0;
-  return hypot(p[0] - w->center[0], p[1] - w->center[1]) < w->radius ? -w->radius : w->radius;
+  return math_hypot(p[0] - w->center[0], p[1] - w->center[1]) < w->radius ? -w->radius : w->radius;
 }
 
 double overlap_force(const sd_model *m, const overlap *o) {
@@ -346,13 +347,14 @@ double overlap_force(const sd_model *m, const overlap *o) {
 static double gap_to_wall(const sd_wall *w, const double *p, double radius) {
   double nearest = HUGE_VAL;
   if (w->kind == SD_WALL_CIRCLE) {
-    double r = hypot(p[0] - w->pivot[0], p[1] - w->pivot[1]);
+    double r = math_hypot(p[0] - w->pivot[0], p[1] - w->pivot[1]);
     return w->inside ? w->radius - r - radius : r - w->radius - radius;
   }
   if (w->kind == SD_WALL_ARC) return arc_distance(w, p) - radius;
   for (size_t k = 0; k < wall_segments(w); k++)
-    nearest = fmin(nearest, distance_to_segment(p, w->points[k], w->points[(k + 1) % w->n_points],
-                                                w->kind == SD_WALL_LINE));
+    nearest =
+        math_min(nearest, distance_to_segment(p, w->points[k], w->points[(k + 1) % w->n_points],
+                                              w->kind == SD_WALL_LINE));
   return nearest - radius;
 }
 
@@ -363,20 +365,22 @@ static int images_of(const sd_wall *w, double length) {
   double farthest = 0;
   if (!(length > 0) || w->kind == SD_WALL_CIRCLE) return 0;
   for (size_t k = 0; w->kind != SD_WALL_LINE && k < w->n_points; k++)
-    farthest = fmax(farthest, hypot(w->points[k][0] - w->pivot[0], w->points[k][1] - w->pivot[1]));
-  return 1 + (int)fmin(farthest / length, 1e3);
+    farthest = math_max(farthest,
+                        math_hypot(w->points[k][0] - w->pivot[0], w->points[k][1] - w->pivot[1]));
+  return 1 + (int)math_min(farthest / length, 1e3);
 }
 
 /* The disk is transformed into the frame of the wall, which stays at its initial position. */
 double overlaps_gap(const sd_model *m, uint32_t disk, const double x[2], uint32_t body,
                     const double pose[3]) {
-  double d[2], length[2], c = cos(pose[2]), s = sin(pose[2]), radius = m->disks[disk].radius;
+  double d[2], length[2], c, s, radius = m->disks[disk].radius;
+  math_sine_cosine(pose[2], &s, &c);
   for (int k = 0; k < 2; k++) {
     length[k] = m->periodic[k] ? m->upper[k] - m->lower[k] : 0;
     d[k] = x[k] - pose[k];
     if (length[k] > 0) d[k] -= length[k] * rint(d[k] / length[k]);
   }
-  if (body < m->n_disks) return hypot(d[0], d[1]) - radius - m->disks[body].radius;
+  if (body < m->n_disks) return math_hypot(d[0], d[1]) - radius - m->disks[body].radius;
   const sd_wall *w = &m->walls[body - m->n_disks];
   const int most[2] = {images_of(w, length[0]), images_of(w, length[1])};
   double nearest = HUGE_VAL;
@@ -384,7 +388,7 @@ double overlaps_gap(const sd_model *m, uint32_t disk, const double x[2], uint32_
     for (int u = -most[0]; u <= most[0]; u++) {
       const double dx = d[0] + u * length[0], dy = d[1] + v * length[1];
       const double p[2] = {w->pivot[0] + c * dx + s * dy, w->pivot[1] - s * dx + c * dy};
-      nearest = fmin(nearest, gap_to_wall(w, p, radius));
+      nearest = math_min(nearest, gap_to_wall(w, p, radius));
     }
   return nearest;
 }

@@ -16,6 +16,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/clumps.h"
 #include "model/field_kinds.h"
@@ -70,7 +71,7 @@ double sd_model_shortest_period(const sd_model *m, uint32_t *disk) {
       if (!law_is_given(law)) continue;
       const sd_disk felt = felt_at(m, row);
       const oscillator o = oscillator_of(&felt, law, 0.0, 0);
-      double w2 = fmax(o.normal2, o.tangential2);
+      double w2 = math_max(o.normal2, o.tangential2);
       const uint32_t number = rows_number(m, row);
       if (!(w2 > fastest) && !(w2 == fastest && number < first)) continue;
       fastest = w2;
@@ -95,7 +96,7 @@ static sd_step_limit limit_of(const sd_model *m, const oscillator *o, uint32_t d
   const double normal = longest(m, o->normal2, o->damping),
                tangential = longest(m, o->tangential2, o->friction),
                viscous = VISCOUS[m->integrator] * o->damping * normal;
-  return (sd_step_limit){.dt = fmin(normal, tangential),
+  return (sd_step_limit){.dt = math_min(normal, tangential),
                          .disk = disk,
                          .bound = tangential < normal ? SD_BOUND_TANGENTIAL
                                   : viscous > 0.5     ? SD_BOUND_VISCOSITY

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/cell.h"
 #include "model/motions.h"
@@ -21,7 +22,7 @@ bool model_moves_surfaces(const sd_model *m) {
 static size_t derive_side(const sd_model *m, const sd_wall *w, size_t k, uint32_t body,
                           sd_segment *first, double *arc) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
-  const double dx = q[0] - p[0], dy = q[1] - p[1], length = hypot(dx, dy);
+  const double dx = q[0] - p[0], dy = q[1] - p[1], length = math_hypot(dx, dy);
   const bool line = w->kind == SD_WALL_LINE;
   const size_t n = wall_cuts(m, w, k);
   for (size_t j = 0; j < n; j++) {
@@ -105,7 +106,7 @@ static double period_of(const sd_model *m, int c) {
 /* Length of the box along its shorter periodic direction; 0: no direction is periodic. */
 static double shortest_period(const sd_model *m) {
   const double x = period_of(m, 0), y = period_of(m, 1);
-  return x > 0.0 && y > 0.0 ? fmin(x, y) : fmax(x, y);
+  return x > 0.0 && y > 0.0 ? math_min(x, y) : math_max(x, y);
 }
 
 /* --- pieces in a periodic box ----------------------------------------------------------------- */
@@ -129,7 +130,7 @@ static bool ends_on_image(const sd_model *m, const sd_wall *w, int cells[2]) {
 /* Length of side k of a wall, from point k to the next one. */
 static double side_of(const sd_wall *w, size_t k) {
   const double *p = w->points[k], *q = w->points[(k + 1) % w->n_points];
-  return hypot(q[0] - p[0], q[1] - p[1]);
+  return math_hypot(q[0] - p[0], q[1] - p[1]);
 }
 
 /* Number of segments into which side k of a wall is cut; a double, since it may be too large for
@@ -140,7 +141,7 @@ static double cuts_of(const sd_model *m, const sd_wall *w, size_t k) {
   if (!(shortest > 0.0) || w->kind == SD_WALL_LINE || w->kind == SD_WALL_ARC) return 1.0;
   const double periods = side_of(w, k) / shortest;
   if (periods <= WHOLE + NEARLY && !ends_on_image(m, w, cells)) return 1.0;
-  return fmax(ceil(CUTS_PER_PERIOD * periods - NEARLY), 1.0);
+  return math_max(ceil(CUTS_PER_PERIOD * periods - NEARLY), 1.0);
 }
 
 size_t wall_cuts(const sd_model *m, const sd_wall *w, size_t k) { return (size_t)cuts_of(m, w, k); }
@@ -186,10 +187,10 @@ void wall_piece_images(const sd_model *m, bool endless, sd_segment *s) {
 /* Diameter of the smallest circle around the longest segment of a wall. */
 static double width_of(const sd_model *m, const sd_wall *w) {
   const double part = arc_is_ring(w) ? 2.0 * M_PI / 3.0 : w->to - w->from;
-  if (w->kind == SD_WALL_ARC) return 2.0 * w->radius * (part > M_PI ? 1.0 : sin(0.5 * part));
+  if (w->kind == SD_WALL_ARC) return 2.0 * w->radius * (part > M_PI ? 1.0 : math_sin(0.5 * part));
   double longest = 0.0;
   for (size_t k = 0; w->kind != SD_WALL_LINE && k < wall_segments(w); k++)
-    longest = fmax(longest, side_of(w, k) / cuts_of(m, w, k));
+    longest = math_max(longest, side_of(w, k) / cuts_of(m, w, k));
   return longest;
 }
 
@@ -197,8 +198,8 @@ static double width_of(const sd_model *m, const sd_wall *w) {
 static double span_of(const sd_wall *w, int c) {
   double lower = HUGE_VAL, upper = -HUGE_VAL;
   for (size_t k = 0; k < w->n_points; k++) {
-    lower = fmin(lower, w->points[k][c]);
-    upper = fmax(upper, w->points[k][c]);
+    lower = math_min(lower, w->points[k][c]);
+    upper = math_max(upper, w->points[k][c]);
   }
   return upper - lower;
 }
@@ -215,7 +216,7 @@ static void check_line(const sd_model *m, size_t w, sd_messages *msg) {
                dy = wall->points[1][1] - wall->points[0][1];
   const size_t turned = turned_by(m, w);
   char motion[96];
-  if (fmin(fabs(dx), fabs(dy)) > NEARLY * hypot(dx, dy))
+  if (math_min(fabs(dx), fabs(dy)) > NEARLY * math_hypot(dx, dy))
     fail_about(msg, about_wall(m, w),
                "a line along (%g, %g) does not fit to its images in a box that is periodic in %s; "
                "expected a line along x or y, or a segment or polyline",
@@ -263,9 +264,9 @@ static bool lie_together(const sd_wall *w, size_t k, size_t other, const double 
     along[end] = dx * t[0] + dy * t[1];
     across[end] = fabs(dx * t[1] - dy * t[0]);
   }
-  const double from = fmax(0.0, fmin(along[0], along[1])),
-               to = fmin(length, fmax(along[0], along[1]));
-  return fmax(across[0], across[1]) < near && to - from > NEARLY * length;
+  const double from = math_max(0.0, math_min(along[0], along[1])),
+               to = math_min(length, math_max(along[0], along[1]));
+  return math_max(across[0], across[1]) < near && to - from > NEARLY * length;
 }
 
 /* True if the wall lies on a periodic image of itself. near: distance below which a side counts
@@ -300,11 +301,11 @@ static void check_length(const sd_model *m, size_t w, sd_messages *msg) {
   for (int c = 0; c < 2; c++)
     longer = longer || (m->periodic[c] && wide[c] > period_of(m, c) - slight);
   if (wall->kind == SD_WALL_LINE || wall->kind == SD_WALL_ARC) return;
-  if (turned < m->n_motions && hypot(wide[0], wide[1]) > shortest_period(m) - slight)
+  if (turned < m->n_motions && math_hypot(wide[0], wide[1]) > shortest_period(m) - slight)
     fail_about(msg, about_wall(m, w),
                "%s turns a wall of size %g, which may come to lie on its own image; expected less "
                "than the length %g of the periodic box",
-               model_motion_name(m, turned, motion, sizeof motion), hypot(wide[0], wide[1]),
+               model_motion_name(m, turned, motion, sizeof motion), math_hypot(wide[0], wide[1]),
                shortest_period(m));
   else if (longer && (wall_segments(wall) > MOST_SIDES || covers_image(m, wall, near)))
     fail_about(
@@ -381,8 +382,8 @@ wall_bounds wall_bounds_of(const sd_wall *w) {
     b.lower[c] = round ? middle - w->radius : HUGE_VAL;
     b.upper[c] = round ? middle + w->radius : -HUGE_VAL;
     for (size_t k = 0; !round && k < w->n_points; k++) {
-      b.lower[c] = fmin(b.lower[c], w->points[k][c]);
-      b.upper[c] = fmax(b.upper[c], w->points[k][c]);
+      b.lower[c] = math_min(b.lower[c], w->points[k][c]);
+      b.upper[c] = math_max(b.upper[c], w->points[k][c]);
     }
   }
   return b;
@@ -425,7 +426,8 @@ static wall_end end_of(const sd_wall *w, uint32_t number, int end) {
   wall_end e = {.wall = number, .end = end};
   if (w->kind == SD_WALL_ARC) {
     const double angle = end ? w->to : w->from, sign = end ? -1.0 : 1.0;
-    const double d[2] = {cos(angle), sin(angle)};
+    double d[2];
+    math_sine_cosine(angle, &d[1], &d[0]);
     for (int c = 0; c < 2; c++) e.at[c] = w->center[c] + w->radius * d[c];
     e.way[0] = -sign * d[1];
     e.way[1] = sign * d[0];
@@ -433,7 +435,7 @@ static wall_end end_of(const sd_wall *w, uint32_t number, int end) {
     return e;
   }
   const double *p = w->points[end ? w->n_points - 1 : 0], *q = w->points[end ? w->n_points - 2 : 1];
-  e.along = hypot(q[0] - p[0], q[1] - p[1]);
+  e.along = math_hypot(q[0] - p[0], q[1] - p[1]);
   for (int c = 0; c < 2; c++) {
     e.at[c] = p[c];
     e.way[c] = (q[c] - p[c]) / e.along;
@@ -478,8 +480,8 @@ double joints_tolerance(const wall_end *e) {
 }
 
 bool joints_meet(const wall_end *a, const wall_end *b) {
-  return hypot(b->at[0] - a->at[0], b->at[1] - a->at[1]) <=
-         fmin(joints_tolerance(a), joints_tolerance(b));
+  return math_hypot(b->at[0] - a->at[0], b->at[1] - a->at[1]) <=
+         math_min(joints_tolerance(a), joints_tolerance(b));
 }
 
 size_t joints_near(const wall_end *ends, size_t n, size_t k) {

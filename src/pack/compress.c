@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "base/comm.h"
+#include "base/math.h"
 #include "model/cell.h"
 #include "model/laws.h"
 #include "pack/rain.h"
@@ -128,7 +129,7 @@ static double factor(const engine *e) {
     shrink = 1.0 - sqrt(compress_fraction(e) / c->fraction);
     if (fabs(shrink) < 1e-14) return 1.0; /* a smaller change is rounding error */
   }
-  return 1.0 - fmin(fmax(shrink, -most), most);
+  return 1.0 - math_min(math_max(shrink, -most), most);
 }
 
 /* --- change of the lengths -------------------------------------------------------------------- */
@@ -139,7 +140,7 @@ static sd_status check_width(const engine *e, double f, sd_messages *messages) {
   const sd_state *s = e->state;
   const double reach = laws_range(e->model);
   double largest = 0.0;
-  for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
+  for (size_t i = 0; i < s->n_disks; i++) largest = math_max(largest, s->radius[i]);
   largest = comm_largest(e->comm, largest);
   for (int c = 0; c < 2; c++)
     if (e->model->periodic[c] && !(f * engine_length(e, c) > 4.0 * largest * 1.2 + 2.0 * reach))

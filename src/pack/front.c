@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 
 /* WINDOW: number of disks, next in the order of placing, that are tried in a pocket. VARIANTS:
@@ -191,7 +192,7 @@ static sd_status add_pockets(front *f, uint32_t a, uint32_t b) {
 static bool boxes_apart(const front *f, const body *b, const double lower[2],
                         const double upper[2]) {
   for (int c = 0; c < 2; c++) {
-    const double gap = fmax(b->lower[c] - upper[c], lower[c] - b->upper[c]);
+    const double gap = math_max(b->lower[c] - upper[c], lower[c] - b->upper[c]);
     if (f->s->edge[c] && gap > 2.0 * (1.0 + 1e-9) * f->largest) return true;
   }
   return false;
@@ -206,8 +207,8 @@ static bool near_fixed(const front *f, const body *b, const double *disk) {
   if (b->straight) {
     gap = fabs((disk[0] - b->x) * -b->ty + (disk[1] - b->y) * b->tx) - disk[2];
   } else {
-    gap = hypot(periodic_difference(f->s, disk[0], b->x, 0),
-                periodic_difference(f->s, disk[1], b->y, 1));
+    gap = math_hypot(periodic_difference(f->s, disk[0], b->x, 0),
+                     periodic_difference(f->s, disk[1], b->y, 1));
     gap = b->radius < 0 ? -b->radius - gap - disk[2] : gap - b->radius - disk[2];
   }
   return gap <= 2 * f->largest;
@@ -236,14 +237,14 @@ static void add_fixed(front *f, body b) {
   for (int c = 0; c < 2; c++) {
     const double other = at[c] + (isinf(b.length) ? 0.0 : b.length * along[c]),
                  wide = fabs(b.radius);
-    b.lower[c] = isinf(b.length) ? -HUGE_VAL : fmin(at[c], other) - wide;
-    b.upper[c] = isinf(b.length) ? HUGE_VAL : fmax(at[c], other) + wide;
+    b.lower[c] = isinf(b.length) ? -HUGE_VAL : math_min(at[c], other) - wide;
+    b.upper[c] = isinf(b.length) ? HUGE_VAL : math_max(at[c], other) + wide;
   }
   f->fixed[f->n_fixed++] = b;
 }
 
 static body straight(const double a[2], const double b[2], bool endless) {
-  double length = hypot(b[0] - a[0], b[1] - a[1]);
+  double length = math_hypot(b[0] - a[0], b[1] - a[1]);
   return (body){.x = a[0],
                 .y = a[1],
                 .straight = true,
@@ -293,7 +294,7 @@ static sd_status add_edges_and_walls(front *f) {
 static bool first_place(const front *f, double radius, double p[2]) {
   const place_space *s = f->s;
   double y = s->lower[1] + radius, left = s->lower[0] + (s->edge[0] ? radius : 0);
-  size_t steps = (size_t)fmax(0, (s->upper[0] - left) / radius);
+  size_t steps = (size_t)math_max(0, (s->upper[0] - left) / radius);
   for (size_t k = 0; k <= steps; k++) {
     double x = left + (double)k * radius;
     if (x >= s->upper[0] || !place_fits(s, x, y, radius)) continue;
@@ -346,8 +347,8 @@ sd_status front_fill(place_space *s, size_t n, double *radius, double (*position
   front f = {.s = s, .smallest = HUGE_VAL};
   *placed = 0;
   for (size_t k = 0; k < n; k++) {
-    f.smallest = fmin(f.smallest, radius[k]);
-    f.largest = fmax(f.largest, radius[k]);
+    f.smallest = math_min(f.smallest, radius[k]);
+    f.largest = math_max(f.largest, radius[k]);
     f.middle += radius[k] / (double)n;
   }
   sd_status status = fill(&f, n, radius, position, placed);

@@ -7,7 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
+#include "base/quadrature.h"
 #include "model/walls.h"
 
 /* --- shape of the container ------------------------------------------------------------------- */
@@ -31,22 +33,15 @@ typedef struct strip {
 static double width_at(double y, void *user) {
   const strip *s = user;
   double half = place_half_width(s->inside, y);
-  return fmax(0, fmin(s->upper, s->inside->x + half) - fmax(s->lower, s->inside->x - half));
+  return math_max(0, math_min(s->upper, s->inside->x + half) -
+                         math_max(s->lower, s->inside->x - half));
 }
 
 double place_area(const place_interior *in, const double lower[2], const double upper[2]) {
   if (in->kind != SD_CONTAINER_DRUM && in->kind != SD_CONTAINER_HOPPER)
     return (upper[0] - lower[0]) * (upper[1] - lower[1]);
   strip s = {in, lower[0], upper[0]};
-  gsl_error_handler_t *handler = gsl_set_error_handler_off();
-  gsl_integration_cquad_workspace *space = gsl_integration_cquad_workspace_alloc(200);
-  gsl_function f = {width_at, &s};
-  double area = NAN;
-  if (!space) memory_lacks(0);
-  gsl_integration_cquad(&f, lower[1], upper[1], 0, 1e-9, space, &area, NULL, NULL);
-  gsl_integration_cquad_workspace_free(space);
-  gsl_set_error_handler(handler);
-  return area;
+  return quadrature(width_at, &s, lower[1], upper[1]);
 }
 
 /* --- cell grid -------------------------------------------------------------------------------- */
@@ -60,9 +55,9 @@ static void choose_cells(place_space *s, size_t expected) {
     extent[c] = s->edge[c] ? s->upper[c] - s->lower[c] : s->period[c];
     area *= extent[c];
   }
-  double wanted = fmin(2.0 * (double)expected + 16, 5e7), size = sqrt(area / wanted);
+  double wanted = math_min(2.0 * (double)expected + 16, 5e7), size = sqrt(area / wanted);
   for (int c = 0; c < 2; c++) {
-    s->cells[c] = (int64_t)fmax(1, fmin(floor(extent[c] / size), wanted));
+    s->cells[c] = (int64_t)math_max(1, math_min(floor(extent[c] / size), wanted));
     s->cell[c] = extent[c] / (double)s->cells[c];
     assert(s->cells[c] >= 1);
   }
@@ -81,8 +76,8 @@ static bool cell_range(const place_space *s, double x, double reach, int c, int6
     }
   } else {
     if (high < 0 || low > n - 1) return false;
-    low = fmax(low, 0);
-    high = fmin(high, n - 1);
+    low = math_max(low, 0);
+    high = math_min(high, n - 1);
   }
   range[0] = (int64_t)low;
   range[1] = (int64_t)high;
@@ -159,7 +154,7 @@ sd_status place_begin(place_space *s, const sd_model *m, size_t n_there,
   for (int c = 0; c < 2; c++) {
     s->lower[c] = lower[c];
     s->upper[c] = upper[c];
-    s->period[c] = m->periodic[c] ? fmax(0, m->upper[c] - m->lower[c]) : 0;
+    s->period[c] = m->periodic[c] ? math_max(0, m->upper[c] - m->lower[c]) : 0;
     s->edge[c] = !(s->period[c] > 0 && upper[c] - lower[c] >= s->period[c]);
   }
   choose_cells(s, n_there + expected);
@@ -202,8 +197,8 @@ double periodic_difference(const place_space *s, double a, double b, int c) {
 static double from_piece(double x, double y, const double *a, const double *b, bool endless) {
   double tx = b[0] - a[0], ty = b[1] - a[1];
   double along = ((x - a[0]) * tx + (y - a[1]) * ty) / (tx * tx + ty * ty);
-  if (!endless) along = fmax(0, fmin(1, along));
-  return hypot(x - a[0] - along * tx, y - a[1] - along * ty);
+  if (!endless) along = math_max(0, math_min(1, along));
+  return math_hypot(x - a[0] - along * tx, y - a[1] - along * ty);
 }
 
 /* Returns true if x lies outside the interval between a and b by at least `within`. */
@@ -216,7 +211,7 @@ static bool beyond(double x, double a, double b, double within) {
  * larger distances can come out infinite. */
 static double from_wall(const sd_wall *wall, double x, double y, double within) {
   if (wall->kind == SD_WALL_CIRCLE) {
-    double r = hypot(x - wall->pivot[0], y - wall->pivot[1]);
+    double r = math_hypot(x - wall->pivot[0], y - wall->pivot[1]);
     return wall->inside ? wall->radius - r : r - wall->radius;
   }
   double nearest = HUGE_VAL;
@@ -226,7 +221,7 @@ static double from_wall(const sd_wall *wall, double x, double y, double within) 
     if (wall->kind != SD_WALL_LINE &&
         (beyond(x, a[0], b[0], within) || beyond(y, a[1], b[1], within)))
       continue;
-    nearest = fmin(nearest, from_piece(x, y, a, b, wall->kind == SD_WALL_LINE));
+    nearest = math_min(nearest, from_piece(x, y, a, b, wall->kind == SD_WALL_LINE));
   }
   return nearest;
 }
@@ -283,8 +278,8 @@ size_t place_near(place_space *s, double x, double y, double reach) {
         const double *disk = s->disk[number];
         if (s->stamp[number] == s->stamps) continue;
         s->stamp[number] = s->stamps;
-        if (hypot(periodic_difference(s, x, disk[0], 0), periodic_difference(s, y, disk[1], 1)) <
-            reach + disk[2])
+        if (math_hypot(periodic_difference(s, x, disk[0], 0),
+                       periodic_difference(s, y, disk[1], 1)) < reach + disk[2])
           s->near[n++] = number;
       }
   return n;
@@ -326,7 +321,7 @@ sd_status place_random(place_space *s, gsl_rng *rng, size_t n, const double *rad
 
 void place_waiting(double lower, double upper, double y, double spacing, size_t first, size_t n,
                    double (*position)[2]) {
-  double columns = fmax(1, floor((upper - lower) / spacing)), wide = (upper - lower) / columns;
+  double columns = math_max(1, floor((upper - lower) / spacing)), wide = (upper - lower) / columns;
   for (size_t k = 0; k < n; k++) {
     const double number = (double)(first + k), row = floor(number / columns);
     position[k][0] = lower + (number - row * columns + 0.5) * wide;
@@ -347,7 +342,7 @@ typedef struct rows {
   double wide;
 } rows;
 
-static double whole(double x) { return fmax(0, floor(x + ROUNDING)); }
+static double whole(double x) { return math_max(0, floor(x + ROUNDING)); }
 
 static rows plan(const place_space *s, sd_packing_kind kind, double spacing) {
   bool triangular = kind == SD_PACKING_TRIANGULAR;
@@ -359,12 +354,12 @@ static rows plan(const place_space *s, sd_packing_kind kind, double spacing) {
     r.columns[0] = room > -ROUNDING ? whole(room) + 1 : 0;
     r.columns[1] = room - shift / spacing > -ROUNDING ? whole(room - shift / spacing) + 1 : 0;
     /* Distance from the leftmost to the rightmost site of all rows. */
-    double extent = fmax((r.columns[0] - 1) * spacing, (r.columns[1] - 1) * spacing + shift);
+    double extent = math_max((r.columns[0] - 1) * spacing, (r.columns[1] - 1) * spacing + shift);
     r.left[0] = s->lower[0] + (width - extent) / 2;
     r.left[1] = r.left[0] + shift;
   } else {
     r.columns[0] = r.columns[1] = whole(width / spacing);
-    r.wide = width / fmax(1, r.columns[0]);
+    r.wide = width / math_max(1, r.columns[0]);
     r.left[0] = s->lower[0] + (triangular ? r.wide / 4 : r.wide / 2);
     r.left[1] = r.left[0] + (triangular ? r.wide / 2 : 0);
   }
@@ -374,7 +369,7 @@ static rows plan(const place_space *s, sd_packing_kind kind, double spacing) {
     r.first = s->lower[1] + spacing / 2;
   } else {
     r.rows = triangular ? 2 * whole(height / least / 2) : whole(height / least);
-    r.high = height / fmax(1, r.rows);
+    r.high = height / math_max(1, r.rows);
     r.first = s->lower[1] + r.high / 2;
   }
   return r;
@@ -398,11 +393,23 @@ size_t lattice_sites(const place_space *s, sd_packing_kind kind, double spacing,
   return n;
 }
 
+/* J. von Neumann's way, without trigonometric functions */
+static void random_direction(gsl_rng *rng, double direction[2]) {
+  double u, v, square;
+  do {
+    u = -1 + 2 * gsl_rng_uniform(rng);
+    v = -1 + 2 * gsl_rng_uniform(rng);
+    square = u * u + v * v;
+  } while (square > 1.0 || square == 0.0);
+  direction[0] = (u * u - v * v) / square;
+  direction[1] = 2 * u * v / square;
+}
+
 void lattice_jitter(const place_space *s, gsl_rng *rng, double spacing, double jitter, size_t n,
                     const double *radius, double (*site)[2]) {
   for (size_t k = 0; k < n; k++) {
-    double room = jitter * fmax(0, spacing / 2 - radius[k]), direction[2];
-    gsl_ran_dir_2d(rng, &direction[0], &direction[1]);
+    double room = jitter * math_max(0, spacing / 2 - radius[k]), direction[2];
+    random_direction(rng, direction);
     double way = room * sqrt(gsl_rng_uniform(rng));
     for (int c = 0; c < 2; c++) site[k][c] = periodic_wrap(s, site[k][c] + way * direction[c], c);
   }

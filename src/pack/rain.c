@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/comm.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/clumps.h"
 #include "physics/contact/energy.h"
@@ -66,7 +67,7 @@ static double top_of(const engine *e, const sd_rain *r) {
   for (size_t i = 0; i < s->n_disks; i++) {
     if (i < s->n_free && !body_in_play(s, i)) continue;
     double dx = engine_nearest(e, SD_X, s->x[i] - middle);
-    if (fabs(dx) < half + s->radius[i]) top = fmax(top, s->y[i] + s->radius[i]);
+    if (fabs(dx) < half + s->radius[i]) top = math_max(top, s->y[i] + s->radius[i]);
   }
   return top;
 }
@@ -76,7 +77,7 @@ static double top_of(const engine *e, const sd_rain *r) {
  * nearest to (x, y). If g is the end point of an arc, only the overlap counts. */
 static bool arc_blocks(const placed_segment *g, const nearest_point *q, double x, double y,
                        double radius, double low) {
-  if (q->active && hypot(q->dx, q->dy) < radius * (1.0 - ROUNDING)) return true;
+  if (q->active && math_hypot(q->dx, q->dy) < radius * (1.0 - ROUNDING)) return true;
   const double dx = x - g->x;
   if (g->piece != SD_PIECE_CURVE || fabs(dx) >= g->radius) return false;
   for (int side = -1; side <= 1; side += 2) {
@@ -91,7 +92,7 @@ static bool arc_blocks(const placed_segment *g, const nearest_point *q, double x
 static bool segment_blocks(const placed_segment *g, double x, double y, double radius, double low) {
   nearest_point q = walls_nearest(g, x, y);
   if (g->piece != SD_PIECE_STRAIGHT) return arc_blocks(g, &q, x, y, radius, low);
-  if (hypot(q.dx, q.dy) < radius * (1.0 - ROUNDING)) return true;
+  if (math_hypot(q.dx, q.dy) < radius * (1.0 - ROUNDING)) return true;
   if (g->tx == 0.0) return false;
   double along = (x - g->x) / g->tx, height = g->y + along * g->ty;
   return along >= g->backwards && along <= g->length && height > low && height < y;
@@ -100,7 +101,7 @@ static bool segment_blocks(const placed_segment *g, double x, double y, double r
 static bool circle_blocks(const engine *e, size_t slot, double x, double y, double radius) {
   const sd_state *s = e->state;
   double dx = engine_nearest(e, SD_X, s->x[slot] - x), dy = s->y[slot] - y;
-  double r = hypot(dx, dy), wall = s->radius[slot];
+  double r = math_hypot(dx, dy), wall = s->radius[slot];
   return wall < 0.0 ? r + radius > -wall * (1.0 + ROUNDING)
                     : r < (wall + radius) * (1.0 - ROUNDING);
 }
@@ -191,7 +192,7 @@ static size_t measure_row(const rain_sizes *b, size_t first, size_t n, double *l
   for (size_t k = 0; k < n; grains++) {
     const clump_grain grain = grain_of(b, first + k, first + n);
     *taken += 2.0 * grain.radius;
-    *largest = fmax(*largest, grain.radius);
+    *largest = math_max(*largest, grain.radius);
     k += grain.disks;
   }
   return grains;
@@ -249,7 +250,7 @@ static sd_status plan(const engine *e, const sd_rain *r, double top, const doubl
     measure_row(&b, first, n, &largest, &taken);
     /* Search for obstacles down to a point below the top of the highest disk, so that a lid that
      * presses on this disk is found. */
-    double end = fmax(top - 0.5 * largest, r->floor);
+    double end = math_max(top - 0.5 * largest, r->floor);
     status =
         place_row(e, r, &b, first, n, low, end, numbers, gaps, drops + (first - begin), messages);
     low += (2.0 + ROW_GAP) * largest;

@@ -17,6 +17,7 @@
 #include <assert.h>
 #include <math.h>
 
+#include "base/math.h"
 #include "physics/step/access.h"
 #include "physics/system/clumps.h"
 
@@ -142,5 +143,6 @@ void relax_step(engine *e, const team *t, relax_sums *of_team) {
   if (!downhill)
     relax_begin(e);
   else if (++s->relax_steps > PATIENCE)
-    s->relax_alpha = fmax(SHRINK * s->relax_alpha, fmin(ALPHA, BRAKE / (double)s->relax_steps));
+    s->relax_alpha =
+        math_max(SHRINK * s->relax_alpha, math_min(ALPHA, BRAKE / (double)s->relax_steps));
 }

@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "base/exact_sum.h"
+#include "base/math.h"
 #include "pack/rain.h"
 #include "physics/step/access.h"
 #include "physics/step/cell.h"
@@ -45,8 +46,9 @@ static void add_clumps(const engine *e, settle_sums *all) {
     for (int q = 0; q < SD_COORDINATES; q++)
       if (c[q].inverse[k] != 0.0)
         exact_sum_add(&all->of[SETTLE_KINETIC], 0.5 * c[q].v[k] * c[q].v[k] / c[q].inverse[k]);
-    exact_sum_add(&all->of[SETTLE_FORCE], hypot(c[SD_X].inverse[k] != 0.0 ? load.on[SD_X] : 0.0,
-                                                c[SD_Y].inverse[k] != 0.0 ? load.on[SD_Y] : 0.0));
+    exact_sum_add(&all->of[SETTLE_FORCE],
+                  math_hypot(c[SD_X].inverse[k] != 0.0 ? load.on[SD_X] : 0.0,
+                             c[SD_Y].inverse[k] != 0.0 ? load.on[SD_Y] : 0.0));
     all->n[DISKS]++;
   }
 }
@@ -62,7 +64,8 @@ static void add_up(const engine *e, settle_sums *all) {
     exact_sum_add(&all->of[SETTLE_KINETIC], moving(&c[SD_X], s->mass, i) +
                                                 moving(&c[SD_Y], s->mass, i) +
                                                 moving(&c[SD_THETA], s->inertia, i));
-    exact_sum_add(&all->of[SETTLE_FORCE], hypot(resultant(&c[SD_X], i), resultant(&c[SD_Y], i)));
+    exact_sum_add(&all->of[SETTLE_FORCE],
+                  math_hypot(resultant(&c[SD_X], i), resultant(&c[SD_Y], i)));
     all->n[DISKS]++;
   }
   add_clumps(e, all);

@@ -6,28 +6,31 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
+#include "base/quadrature.h"
+#include "pack/normal.h"
 
 /* Returns the quantile at u of the density p(R) ~ R^-a on [lower, upper]. The integral of R^-a is
  * written with expm1 of a non-positive argument: accurate near a = 1, where it becomes a logarithm,
  * and finite for any a. */
 static double power_quantile(const sizes *s, double u) {
-  double q = 1 - s->exponent, l = log(s->upper / s->lower);
-  if (fabs(q * l) < 1e-12) return s->lower * exp(u * l);
-  if (q < 0) return s->lower * exp(log1p(u * expm1(q * l)) / q);
-  return s->upper * exp(log1p((1 - u) * expm1(-q * l)) / q);
+  double q = 1 - s->exponent, l = math_log(s->upper / s->lower);
+  if (fabs(q * l) < 1e-12) return s->lower * math_exp(u * l);
+  if (q < 0) return s->lower * math_exp(math_log1p(u * math_expm1(q * l)) / q);
+  return s->upper * math_exp(math_log1p((1 - u) * math_expm1(-q * l)) / q);
 }
 
 /* Returns the quantile at u of a standard normal variable truncated to [a, b], a < b. For a > 0 the
  * mirrored interval is used, since probabilities near 0 keep more digits than those near 1. */
 static double normal_quantile(double a, double b, double u) {
   if (a > 0) return -normal_quantile(-b, -a, 1 - u);
-  double p = gsl_cdf_ugaussian_P(a);
-  return gsl_cdf_ugaussian_Pinv(p + u * (gsl_cdf_ugaussian_P(b) - p));
+  double p = normal_below(a);
+  return normal_at(p + u * (normal_below(b) - p));
 }
 
 static double scaled(const sizes *s, double radius) {
-  return s->kind == SD_SIZES_LOGNORMAL ? log(radius / s->radius) / s->deviation
+  return s->kind == SD_SIZES_LOGNORMAL ? math_log(radius / s->radius) / s->deviation
                                        : (radius - s->radius) / s->deviation;
 }
 
@@ -40,19 +43,18 @@ double sizes_quantile(const sizes *s, double u) {
     case SD_SIZES_LOGNORMAL: {
       double z = normal_quantile(scaled(s, s->lower), scaled(s, s->upper), u);
       x = s->kind == SD_SIZES_GAUSSIAN ? s->radius + s->deviation * z
-                                       : s->radius * exp(s->deviation * z);
+                                       : s->radius * math_exp(s->deviation * z);
       break;
     }
     default: break;
   }
-  return fmax(s->lower, fmin(s->upper, x));
+  return math_max(s->lower, math_min(s->upper, x));
 }
 
 double sizes_kept(const sizes *s) {
   if (s->kind != SD_SIZES_GAUSSIAN && s->kind != SD_SIZES_LOGNORMAL) return 1;
   double a = scaled(s, s->lower), b = scaled(s, s->upper);
-  return a > 0 ? gsl_cdf_ugaussian_Q(a) - gsl_cdf_ugaussian_Q(b)
-               : gsl_cdf_ugaussian_P(b) - gsl_cdf_ugaussian_P(a);
+  return a > 0 ? normal_above(a) - normal_above(b) : normal_below(b) - normal_below(a);
 }
 
 static double area_at(double u, void *user) {
@@ -70,15 +72,7 @@ double sizes_mean_area(const sizes *s) {
     return sum / weight;
   }
   if (s->kind == SD_SIZES_MONO) return M_PI * s->radius * s->radius;
-  gsl_error_handler_t *handler = gsl_set_error_handler_off();
-  gsl_integration_cquad_workspace *space = gsl_integration_cquad_workspace_alloc(100);
-  double mean = NAN;
-  gsl_function f = {area_at, (void *)(uintptr_t)s};
-  if (!space) memory_lacks(0);
-  gsl_integration_cquad(&f, 0, 1, 0, 1e-9, space, &mean, NULL, NULL);
-  gsl_integration_cquad_workspace_free(space);
-  gsl_set_error_handler(handler);
-  return mean;
+  return quadrature(area_at, (void *)(uintptr_t)s, 0, 1);
 }
 
 /* Writes n radii of a list with weights w_k, sum W: radius k occurs floor(n w_k/W) times, and those
@@ -91,7 +85,7 @@ static void draw_list(const sizes *s, size_t n, double *radius) {
   for (size_t k = 0; k < s->n; k++) total += s->weights[k];
   for (size_t k = 0; k < s->n; k++) {
     double share = (double)n * (s->weights[k] / total);
-    count[k] = (size_t)fmin(share, (double)(n - given));
+    count[k] = (size_t)math_min(share, (double)(n - given));
     remainder[k] = -(share - (double)count[k]);
     given += count[k];
   }

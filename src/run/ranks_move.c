@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/comm.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/laws.h"
 #include "physics/neighbours/neighbours.h"
@@ -186,8 +187,8 @@ static box box_of(const shares *p, const sd_state *s) {
     b.lower[c] = p->model->lower[c];
     b.upper[c] = upper;
     b.length[c] = upper - b.lower[c];
-    b.low[c] = fmax(b.low[c], b.lower[c]);
-    b.high[c] = fmin(b.high[c], upper);
+    b.low[c] = math_max(b.low[c], b.lower[c]);
+    b.high[c] = math_min(b.high[c], upper);
   }
   return b;
 }
@@ -385,8 +386,8 @@ sd_status move_cut_again(comm_cuts *cuts, const engine *e, double busy) {
   float *weight = NULL;
   const bool there = memory_resize_row(&weight, s->n_free, sizeof *weight);
   const double all = (double)(engine_first(e, s->n_free) + REST * s->n_free),
-               mean = comm_total(c, busy) / fmax(comm_total(c, all), 1.0),
-               rate = fmin(fmax(busy / fmax(all, 1.0), mean / MOST), mean * MOST);
+               mean = comm_total(c, busy) / math_max(comm_total(c, all), 1.0),
+               rate = math_min(math_max(busy / math_max(all, 1.0), mean / MOST), mean * MOST);
   sd_status status = there ? SD_OK : SD_ERROR_IO;
   for (size_t i = 0; there && i < s->n_free; i++)
     weight[i] = (float)(rate * (double)(engine_first(e, i + 1) - engine_first(e, i) + REST)) *
@@ -419,8 +420,8 @@ static sd_status count_buckets(const comm *c, const order_place *list, size_t n,
   double strip = 0.0, level = 0.0;
   for (size_t k = 0; k < n; k++) {
     if (list[k].strip == UINT64_MAX) continue;
-    strip = fmax(strip, (double)list[k].strip);
-    level = fmax(level, (double)list[k].level);
+    strip = math_max(strip, (double)list[k].strip);
+    level = math_max(level, (double)list[k].level);
   }
   const uint64_t most = (uint64_t)comm_largest(c, strip) + 1;
   b->width = (most + STRIPS - 1) / STRIPS;

@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <time.h>
 
+#include "base/math.h"
 #include "base/team.h"
 #include "base/comm.h"
 #include "base/memory.h"
@@ -330,7 +331,7 @@ void session_report(session *s, bool always) {
   bool finished = is_over(s->model, stage);
   bool new_phase = !finished && stage.phase != s->told_phase;
   int32_t tells = s->options.progress &&
-                  (always || new_phase || passed >= fmax(PROGRESS_SECONDS, s->tell_every));
+                  (always || new_phase || passed >= math_max(PROGRESS_SECONDS, s->tell_every));
   comm_broadcast(s->options.comm, &tells, sizeof tells);
   if (!tells) return;
 
@@ -362,7 +363,7 @@ void session_report(session *s, bool always) {
                                .rest = settle && settle->asked ? &rest : NULL};
   if (s->options.progress) s->options.progress(s->options.user, &progress);
   s->told_at = now;
-  s->tell_every = fmin(PROGRESS_COST * (clock_seconds() - now), PROGRESS_LATEST);
+  s->tell_every = math_min(PROGRESS_COST * (clock_seconds() - now), PROGRESS_LATEST);
   s->told_step = s->step;
   if (!finished) s->told_phase = stage.phase;
 }

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/team.h"
 #include "base/comm.h"
 #include "base/comm_cuts.h"
@@ -238,7 +239,7 @@ static sd_status renew(ranks *r) {
     if (!isfinite(r->skin))
       return sd_fail(r->messages, SD_ERROR_NUMERIC, "step %lld: a wall is not finite",
                      (long long)step + 1);
-    r->skin = fmax(1.5 * r->skin, comm_largest(r->comm, engine_outrun_skin(r->part)));
+    r->skin = math_max(1.5 * r->skin, comm_largest(r->comm, engine_outrun_skin(r->part)));
   }
 }
 

@@ -188,13 +188,13 @@ def compare_all(programs, work, reference, here, all_ways, say):
 
 
 def note_of_table(wrong, others):
-    """Which side is to be doubted: this machine's bits, or the table?"""
+    """Have the results changed, or do ways to run differ from one another?"""
     if not wrong:
-        return f"tests/golden.csv, made with {golden.read()[0]}"
+        return "tests/golden.csv"
     if others:
         return wrong[0]
-    return (f"{wrong[0]}; all ways to run and build it agree with one another, so either the results have changed on "
-            "purpose (SLIPDISK_GOLDEN=write), or the C library computes otherwise")
+    return (f"{wrong[0]}; all ways to run and build it agree with one another: if the results have changed on purpose, "
+            "SLIPDISK_GOLDEN=write writes the table anew")
 
 
 def renew_table(reference, others, setup):

@@ -7,14 +7,16 @@ every contact lambda* and its reference direction, in the order of body numbers.
 there are, in whichever order they or the slots stand. `results` is made of all datasets and attributes that readers of
 a result use: series, frames, contacts, the summary with the means of every disk.
 """
+import concurrent.futures
 import csv
 import dataclasses
 import hashlib
 import os
 import pathlib
-import platform
 import shutil
 import subprocess
+import sys
+import tempfile
 
 import h5py
 import numpy
@@ -234,34 +236,26 @@ HEAD = """\
 # `trajectory` with what moves only: where only `state` changes no disk goes another way.
 # `results` changes with what the summary, series, frames and contacts of the result file say.
 #
-# Bits may depend on the C library (sin of a tilt, GSL); this table was made with
+# The bits are those of every processor, C library and compiler: tools/arm.sh runs the decks on another processor.
 """
 
 
-def library():
-    return "-".join(part for part in platform.libc_ver() if part) + f", {platform.machine()}"
-
-
 def read(table=TABLE):
-    """(where the table was made, name -> Bits)"""
+    """name -> Bits"""
     with open(table, newline="") as file:
-        lines = file.read().splitlines()
-    notes = [line for line in lines if line.startswith("#")]
-    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
-    return notes[-1].lstrip("# "), {
-        row["deck"]: Bits(int(row["steps"]), int(row["contacts"]), *(row[name] for name in HASHES)) for row in rows}
+        rows = csv.DictReader(line for line in file if not line.startswith("#"))
+        return {row["deck"]: Bits(int(row["steps"]), int(row["contacts"]), *(row[name] for name in HASHES)) for row in rows}
 
 
 def write(found, table=TABLE):
-    lines = [HEAD + f"# {library()}", ",".join(("deck", "steps", "contacts", *HASHES))]
+    lines = [HEAD + ",".join(("deck", "steps", "contacts", *HASHES))]
     lines += [",".join(map(str, (name, *dataclasses.astuple(b)))) for name, b in found.items()]
     table.write_text("\n".join(lines) + "\n")
 
 
 def against(name, now, table=TABLE):
     """What is to be said of a deck whose bits are not the table's; "": they are."""
-    made, rows = read(table)
-    kept = rows.get(name)
+    kept = read(table).get(name)
     if kept is None:
         return f"{name}: is not in {table.name}"
     if kept == now:
@@ -269,5 +263,28 @@ def against(name, now, table=TABLE):
     what = ("state and trajectory" if kept.trajectory != now.trajectory else
             "state, but not the trajectory," if kept.state != now.state else "results, but not the state,")
     pairs = ", ".join(f"{n} {getattr(now, n)} instead of {getattr(kept, n)}" for n in HASHES if getattr(now, n) != getattr(kept, n))
-    return (f"{name}: {what} differ from {table.name}: {pairs}, {now.steps} steps instead of {kept.steps} (table: {made}; "
-            f"here: {library()})")
+    return (f"{name}: {what} differ from {table.name}: {pairs}, {now.steps} steps instead of {kept.steps}")
+
+
+def main(program, names):
+    """Compares a program with the table; the decks run side by side, one on each core."""
+    chosen = [deck for deck in decks() if not names or deck.name in names]
+    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        def differs(deck):
+            result = pathlib.Path(folder) / (deck.name if deck.sweep else f"{deck.name}.h5")
+            try:
+                finish(command(program, deck, result))
+                return against(deck.name, bits(result))
+            except (Failed, OSError, subprocess.TimeoutExpired) as error:
+                return f"{deck.name}: {error}"
+
+        wrong = 0
+        for deck, found in zip(chosen, pool.map(differs, chosen)):
+            print(found or f"{deck.name}: the bits of the table", flush=True)
+            wrong += bool(found)
+    print(f"{len(chosen) - wrong} of {len(chosen)} decks have the bits of {TABLE.name}")
+    return bool(wrong or not chosen)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1], sys.argv[2:]))

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/deck/deck.h"
@@ -22,8 +23,10 @@ static void read_gravity(deck *d) {
   double strength = deck_number(&g, "g"), tilt = deck_number(&g, "tilt");
   const deck_node *written = deck_get(&g, "tilt");
   if (written->type == DECK_FLOAT) deck_warn_tilt(d, tilt, written->place, d->messages);
-  d->model->gravity[0] = -strength * sin(tilt);
-  d->model->gravity[1] = -strength * cos(tilt);
+  double sine, cosine;
+  math_sine_cosine(tilt, &sine, &cosine);
+  d->model->gravity[0] = -strength * sine;
+  d->model->gravity[1] = -strength * cosine;
   /* Avoid -0 from the lines above */
   if (strength == 0) d->model->gravity[0] = d->model->gravity[1] = 0;
 }

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_rows.h"
@@ -314,7 +315,8 @@ static void centre(deck_grain *grain) {
   for (size_t k = 0; k < grain->n; k++) {
     grain->at[k][0] -= x / weight;
     grain->at[k][1] -= y / weight;
-    grain->reach = fmax(grain->reach, hypot(grain->at[k][0], grain->at[k][1]) + grain->radius[k]);
+    grain->reach =
+        math_max(grain->reach, math_hypot(grain->at[k][0], grain->at[k][1]) + grain->radius[k]);
     grain->area += grain->radius[k] * grain->radius[k];
   }
 }
@@ -359,7 +361,8 @@ bool deck_read_grain(deck_group *packing, deck_grain *grain) {
 void deck_push_grain(deck *d, const deck_grain *grain, const sd_disk *like, double radius,
                      double angle, deck_place place) {
   const sd_model *m = d->model;
-  const double c = cos(angle), s = sin(angle);
+  double c, s;
+  math_sine_cosine(angle, &s, &c);
   push(d);
   for (size_t k = 0; k < grain->n; k++) {
     sd_disk disk = *like;

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_tree.h"
@@ -30,7 +31,7 @@ static double largest_radius(const sd_model *m) {
   /* Tiles (parts of a packing or file) have a known largest radius; their disks may be stored on
    * other ranks */
   double largest = m->tiles.n ? m->tiles.most : 0;
-  for (size_t i = 0; i < model_held(m); i++) largest = fmax(largest, m->disks[i].radius);
+  for (size_t i = 0; i < model_held(m); i++) largest = math_max(largest, m->disks[i].radius);
   return largest;
 }
 
@@ -100,8 +101,8 @@ typedef struct extent {
 
 static void extend(extent *e, const double *at, double radius) {
   for (int c = 0; c < 2; c++) {
-    e->low[c] = fmin(e->low[c], at[c] - radius);
-    e->high[c] = fmax(e->high[c], at[c] + radius);
+    e->low[c] = math_min(e->low[c], at[c] - radius);
+    e->high[c] = math_max(e->high[c], at[c] + radius);
   }
 }
 
@@ -117,7 +118,7 @@ static void far_out(sd_model *m) {
     if (wall->kind == SD_WALL_CIRCLE) extend(&e, wall->pivot, wall->radius);
     for (size_t k = 0; k < wall->n_points; k++) extend(&e, wall->points[k], 0);
   }
-  double distance = FAR * fmax(e.high[0] - e.low[0], e.high[1] - e.low[1]);
+  double distance = FAR * math_max(e.high[0] - e.low[0], e.high[1] - e.low[1]);
   for (int c = 0; c < 2; c++) {
     if (m->periodic[c] || !isfinite(distance)) continue;
     m->bounds.lower[c] = e.low[c] - distance;

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_result.h"
@@ -78,7 +79,7 @@ static void read_hopper(deck_group *g, const deck_container_values *v, place_int
     deck_fail_key(g, "outlet", "expected less than the width, %g", v->width);
   in->bottom = v->outlet / 2;
   in->top = v->width / 2;
-  in->rise = (v->width - v->outlet) / 2 * tan(v->angle);
+  in->rise = (v->width - v->outlet) / 2 * math_tan(v->angle);
   if (d->reported == before && in->rise >= v->height * (1 - 1e-9))
     deck_fail_key(g, "height", "the inclined walls alone are %g high; expected more", in->rise);
 }
@@ -199,7 +200,7 @@ static void add_bed(deck *d) {
   double radius = d->container->radius, left = m->region_lower[0],
          width = m->region_upper[0] - left;
   deck_default_number(&g, "spacing", 2 * radius);
-  double n = fmax(1, rint(width / deck_number(&g, "spacing")));
+  double n = math_max(1, rint(width / deck_number(&g, "spacing")));
   if (n > 1e6) {
     deck_fail_key(&g, "spacing", "the floor would have %g disks; expected 1e6 at most", n);
     return;

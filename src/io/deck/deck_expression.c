@@ -16,6 +16,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/math.h"
 #include "io/deck/deck_read.h"
 
 static const double pi = 3.14159265358979323846;
@@ -46,11 +47,12 @@ static const struct function {
   double (*of)(double);
   double (*of_two)(double, double);
 } functions[] = {
-    {"sqrt", sqrt, NULL},  {"exp", exp, NULL},     {"log", log, NULL},     {"log10", log10, NULL},
-    {"sin", sin, NULL},    {"cos", cos, NULL},     {"tan", tan, NULL},     {"asin", asin, NULL},
-    {"acos", acos, NULL},  {"atan", atan, NULL},   {"atan2", NULL, atan2}, {"hypot", NULL, hypot},
-    {"abs", fabs, NULL},   {"floor", floor, NULL}, {"ceil", ceil, NULL},   {"round", round, NULL},
-    {"min", NULL, lesser}, {"max", NULL, greater},
+    {"sqrt", sqrt, NULL},        {"exp", math_exp, NULL},     {"log", math_log, NULL},
+    {"log10", math_log10, NULL}, {"sin", math_sin, NULL},     {"cos", math_cos, NULL},
+    {"tan", math_tan, NULL},     {"asin", math_asin, NULL},   {"acos", math_acos, NULL},
+    {"atan", math_atan, NULL},   {"atan2", NULL, math_atan2}, {"hypot", NULL, math_hypot},
+    {"abs", fabs, NULL},         {"floor", floor, NULL},      {"ceil", ceil, NULL},
+    {"round", round, NULL},      {"min", NULL, lesser},       {"max", NULL, greater},
 };
 enum { FUNCTIONS = sizeof functions / sizeof *functions };
 
@@ -259,7 +261,7 @@ static double power(parser *e) {
   e->p += 1 + two;
   double y = deeper(e) ? signed_power(e) : 1;
   e->depth--;
-  return pow(x, y);
+  return math_pow(x, y);
 }
 
 static double signed_power(parser *e) {

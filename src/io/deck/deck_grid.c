@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_read.h"
 #include "io/results/summary.h"
@@ -118,7 +119,7 @@ static double range_value(const double end[2], size_t k, size_t n, bool logarith
   if (k == 0) return end[0];
   if (k + 1 == n) return end[1];
   double s = (double)k / (double)(n - 1);
-  if (logarithmic) return end[0] * pow(end[1] / end[0], s);
+  if (logarithmic) return end[0] * math_pow(end[1] / end[0], s);
   double x = end[0] + (end[1] - end[0]) * s;
   return fabs(x) < 1e-12 * (fabs(end[0]) + fabs(end[1])) ? 0 : x;
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "model/laws.h"
@@ -172,7 +173,7 @@ static void fail_arc(const deck_group *g, const sd_wall *wall) {
   static const char *const expected = "expected counterclockwise, by a whole turn at most";
   const bool bare =
       deck_get(g, "from")->type == DECK_FLOAT && deck_get(g, "to")->type == DECK_FLOAT;
-  if (bare && fmax(fabs(wall->from), fabs(wall->to)) > 2.0 * M_PI)
+  if (bare && math_max(fabs(wall->from), fabs(wall->to)) > 2.0 * M_PI)
     deck_fail_key(
         g, "to",
         "the arc runs from %g to %g rad; %s; angles are in radians, degrees are \"%.10g deg\"",

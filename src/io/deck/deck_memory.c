@@ -7,6 +7,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "io/deck/deck.h"
 #include "io/deck/deck_rows.h"
@@ -47,7 +48,8 @@ static uint32_t same_wall(const our_walls *ours, const deck_result *r, size_t k)
 /* Moves a wall's pivot to (x, y), turns the wall by `angle` (rad) and scales it about the pivot.
  * Radii are not scaled, since compression of the box scales only infinite lines. */
 static void move_wall(sd_wall *w, double x, double y, double angle, double scale) {
-  double c = cos(angle), s = sin(angle);
+  double c, s;
+  math_sine_cosine(angle, &s, &c);
   for (size_t k = 0; k < w->n_points; k++) {
     double px = scale * (w->points[k][0] - w->pivot[0]),
            py = scale * (w->points[k][1] - w->pivot[1]);
@@ -270,7 +272,7 @@ static void take_derivatives(deck *d, const deck_columns *t) {
     for (size_t k = 0; k < SD_DERIVATIVES; k++)
       if (!m->disks[t->first + row].locked[k / 3])
         m->derivatives[t->first + row][k] =
-            r->derivatives[k][t->disk[row]] * pow(ratio, (double)(3 + k % 3));
+            r->derivatives[k][t->disk[row]] * math_pow(ratio, (double)(3 + k % 3));
 }
 
 /* Takes over the contacts of a file. Returns true if the contact forces in the file are valid at

@@ -10,6 +10,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "io/deck/deck_rows.h"
 #include "model/motions.h"
@@ -41,7 +42,7 @@ static void read_acceleration(deck_group *g, sd_motion *motion, unsigned mask) {
   /* If this kind of motion has no key `acceleration`, deck_fill has reported it */
   if (!deck_given(g, "acceleration") || !kind->amplitude) return;
   const double *gravity = g->d->model->gravity;
-  double strength = hypot(gravity[0], gravity[1]), w = motion->omega;
+  double strength = math_hypot(gravity[0], gravity[1]), w = motion->omega;
   if (mask >> SD_THETA & 1)
     deck_fail_key(g, "acceleration", "theta has none in units of g; expected amplitude");
   if (!(strength > 0))
@@ -263,8 +264,8 @@ static void read_length(deck_group *g, sd_motion *motion, const sd_wall *wall, i
   int across = coordinate == SD_X ? SD_Y : SD_X;
   if (deck_given(g, "length")) return;
   if (wall->kind == SD_WALL_SEGMENT && wall->n_points == 2) {
-    motion->length =
-        hypot(wall->points[1][0] - wall->points[0][0], wall->points[1][1] - wall->points[0][1]);
+    motion->length = math_hypot(wall->points[1][0] - wall->points[0][0],
+                                wall->points[1][1] - wall->points[0][1]);
   } else if (wall->kind == SD_WALL_LINE && m->periodic[across]) {
     motion->length = m->upper[across] - m->lower[across];
   } else if (wall->kind == SD_WALL_LINE && m->container == SD_CONTAINER_BOX) {

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "base/limits.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "io/deck/deck_values.h"
 #include "model/rows.h"
@@ -165,7 +166,7 @@ static void push(packing *p, size_t n, const double *circle, double (*position)[
 static size_t draw_area(const packing *p, gsl_rng *rng, double area, size_t capacity,
                         double *radius) {
   double sum = 0;
-  size_t n = (size_t)fmax(1, fmin(rint(area / p->mean_area), (double)capacity));
+  size_t n = (size_t)math_max(1, math_min(rint(area / p->mean_area), (double)capacity));
   sizes_draw(&p->spec.sizes, rng, n, radius);
   if (p->spec.sizes.kind == SD_SIZES_MONO || p->spec.sizes.kind == SD_SIZES_LIST) return n;
   for (size_t k = 0; k < n; k++) sum += M_PI * radius[k] * radius[k];
@@ -243,7 +244,7 @@ static void make_lattice(packing *p) {
     return;
   }
   if (p->spec.count == 0) deck_need(d, g->node, "spacing", rint(sites), BENCH_BYTES, "sites");
-  bench b = open_bench(p, p->spec.count > 0 ? fmin((double)p->spec.count, sites) : sites);
+  bench b = open_bench(p, p->spec.count > 0 ? math_min((double)p->spec.count, sites) : sites);
   if (b.status == SD_OK)
     b.status = tiles_place(&b.space, b.rng, &p->spec, b.capacity, b.radius, b.position, &b.n);
   close_bench(p, &b);
@@ -311,7 +312,7 @@ static void make_front(packing *p) {
 /* For rain in tiles: sets the region where its disks wait before they fall, from `height` upwards,
  * high enough for disks of any size. */
 static void wait_above(sd_tiles *t, double height, double spacing) {
-  const double across = fmax(1, floor((t->upper[0] - t->lower[0]) / spacing));
+  const double across = math_max(1, floor((t->upper[0] - t->lower[0]) / spacing));
   t->lower[1] = height - spacing;
   t->upper[1] = height + (floor((double)t->count / across) + 1) * spacing;
 }
@@ -414,7 +415,7 @@ static void make_tiled(packing *p, double height) {
 /* Returns the time in which the disks that rain drops at once fall by `height`, the height of their
  * rows; NAN: they do not fall. speed: initial speed downwards. */
 static double fall_time(const sd_model *m, double height, double speed) {
-  double g = fmax(0, -m->gravity[SD_Y]), end = sqrt(speed * speed + 2 * g * height);
+  double g = math_max(0, -m->gravity[SD_Y]), end = sqrt(speed * speed + 2 * g * height);
   return speed + end > 0 ? 2 * height / (speed + end) : NAN;
 }
 
@@ -422,16 +423,16 @@ static double fall_time(const sd_model *m, double height, double speed) {
 static double rain_floor(packing *p) {
   deck *d = p->g.d;
   const place_interior *in = &d->container->interior;
-  double half = fmax(in->x - p->lower[0], p->upper[0] - in->x);
+  double half = math_max(in->x - p->lower[0], p->upper[0] - in->x);
   if (in->kind == SD_CONTAINER_DRUM) {
     double low = place_half_width(in, p->lower[1]), high = place_half_width(in, p->upper[1]);
-    if (fmin(low, high) < half * (1 - 1e-12))
+    if (math_min(low, high) < half * (1 - 1e-12))
       deck_fail(d, p->g.node,
                 "rain in a drum needs x and y, a rectangle that lies inside the drum");
   }
   if (in->kind != SD_CONTAINER_HOPPER || half <= in->bottom) return p->lower[1];
-  return fmax(p->lower[1],
-              in->y + in->rise * fmin(1, (half - in->bottom) / (in->top - in->bottom)));
+  return math_max(p->lower[1],
+                  in->y + in->rise * math_min(1, (half - in->bottom) / (in->top - in->bottom)));
 }
 
 static void check_rain(packing *p, double height) {
@@ -453,7 +454,7 @@ static double waiting_height(const packing *p, double spacing) {
   const sd_model *m = p->g.d->model;
   double top = p->upper[1];
   for (size_t i = 0; i < m->n_disks; i++)
-    top = fmax(top, m->disks[i].position[1] + m->disks[i].radius);
+    top = math_max(top, m->disks[i].position[1] + m->disks[i].radius);
   return top + spacing;
 }
 
@@ -514,7 +515,7 @@ static void make_rain(packing *p) {
     deck_default_number(g, "interval", interval);
   check_rain(p, height);
   if (d->reported > before) return;
-  rain->interval = (int64_t)fmin(fmax(1, ceil(p->spec.interval / m->dt)), 1e18);
+  rain->interval = (int64_t)math_min(math_max(1, ceil(p->spec.interval / m->dt)), 1e18);
   make_waiting(p);
   deck_agree_on_errors(d);
   if (d->reported > before || d->wrong) return;
@@ -629,8 +630,8 @@ static void read_list(deck_group *g, sizes *s) {
   s->lower = HUGE_VAL;
   for (size_t k = 0; k < s->n; k++)
     if (s->weights[k] > 0) {
-      s->lower = fmin(s->lower, s->radii[k]);
-      s->upper = fmax(s->upper, s->radii[k]);
+      s->lower = math_min(s->lower, s->radii[k]);
+      s->upper = math_max(s->upper, s->radii[k]);
     }
   if (!(s->upper > 0)) deck_fail_key(g, "weights", "all are 0");
 }
@@ -639,8 +640,8 @@ static void read_list(deck_group *g, sizes *s) {
  * (lognormal: of the logarithm) below and above the centre. */
 static void cut_normal(deck_group *g, const sizes *s) {
   bool logarithm = s->kind == SD_SIZES_LOGNORMAL;
-  double lower = logarithm ? s->radius * exp(-3 * s->deviation) : s->radius - 3 * s->deviation;
-  double upper = logarithm ? s->radius * exp(3 * s->deviation) : s->radius + 3 * s->deviation;
+  double lower = logarithm ? s->radius * math_exp(-3 * s->deviation) : s->radius - 3 * s->deviation;
+  double upper = logarithm ? s->radius * math_exp(3 * s->deviation) : s->radius + 3 * s->deviation;
   if (!deck_get(g, "lower") && !(lower > 0)) {
     deck_fail_key(g, "lower", "missing: 3 deviations below the mean is %g; expected a radius > 0",
                   lower);

@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "io/deck/deck.h"
 #include "io/deck/deck_expression.h"
@@ -114,10 +115,10 @@ static void add_input(int64_t *sum, const sd_model *m, const sd_disk *d, uint32_
 
 static void add_disk(sd_tiles *t, const sd_model *m, const sd_disk *d, uint32_t number) {
   add_input(&t->inputs, m, d, number);
-  t->most = fmax(t->most, d->radius);
+  t->most = math_max(t->most, d->radius);
   for (int c = 0; c < 2; c++) {
-    t->lower[c] = fmin(t->lower[c], d->position[c] - d->radius);
-    t->upper[c] = fmax(t->upper[c], d->position[c] + d->radius);
+    t->lower[c] = math_min(t->lower[c], d->position[c] - d->radius);
+    t->upper[c] = math_max(t->upper[c], d->position[c] + d->radius);
   }
 }
 

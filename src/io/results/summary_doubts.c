@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/results/summary.h"
@@ -42,7 +43,7 @@ static void doubt(summary *s, doubt_kind kind, double value, double limit, char 
 double summary_farthest(const sd_state *state) {
   double farthest = 0;
   for (size_t i = 0; i < state->n_disks; i++)
-    farthest = fmax(farthest, fabs(state->x[i]) + fabs(state->y[i]) + state->radius[i]);
+    farthest = math_max(farthest, fabs(state->x[i]) + fabs(state->y[i]) + state->radius[i]);
   return farthest;
 }
 
@@ -51,14 +52,14 @@ double summary_farthest(const sd_state *state) {
 static double rounding(const sd_model *model, const summary_sums *sums) {
   double stiffest = 0;
   for (size_t k = 0; k < model->n_materials * model->n_materials; k++)
-    stiffest = fmax(stiffest, law_typical_stiffness(&model->laws[k], model->largest_radius));
+    stiffest = math_max(stiffest, law_typical_stiffness(&model->laws[k], model->largest_radius));
   return 4 * DBL_EPSILON * stiffest * sums->farthest * exact_sum_value(&sums->overlap);
 }
 
 static void judge_residual(summary *s, double limit, double floor, const sd_model *model) {
   const sd_energy *e = &s->energy;
   /* A residual of the energy budget that is NAN is reported, too. */
-  if (!(limit > 0) || fabs(e->residual) <= fmax(limit * e->scale, floor)) return;
+  if (!(limit > 0) || fabs(e->residual) <= math_max(limit * e->scale, floor)) return;
   double part = fabs(e->residual) / e->scale;
   char *first = model ? advice_first_jump(model) : NULL;
   doubt(s, DOUBT_RESIDUAL, part, limit,

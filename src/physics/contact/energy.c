@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/exact_sum.h"
+#include "base/math.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
 #include "physics/system/box.h"
@@ -102,7 +103,7 @@ static sd_energy budget_of(const sd_state *s, const energy_sums *exact) {
                 fabs(sum.bridge) + fabs(sum.opening) + fabs(sum.drag) + fabs(sum.damping) +
                 fabs(sum.relaxed);
   double rounding = 1e-9 * (sum.elastic_normal + sum.elastic_tangential + fabs(sum.external));
-  sum.scale = fmax(done, fmax(sum.kinetic_translation + sum.kinetic_rotation, rounding));
+  sum.scale = math_max(done, math_max(sum.kinetic_translation + sum.kinetic_rotation, rounding));
   return sum;
 }
 

@@ -10,6 +10,7 @@
 
 #define LANE_WIDTH 1
 #include "base/lane.h"
+#include "base/math.h"
 #include "physics/contact/contact_step.h"
 #include "physics/contact/pair_pass.h"
 #include "physics/contact/segment_pass.h"
@@ -71,8 +72,8 @@ static void energies_of_general(const engine *e, size_t k, double k_t, double de
   if (l->mindlin == 0.0) return;
   /* y = sqrt(K) zeta, where the tangential energy is y^2/2 (law_tangential.h): the value when
    * forces were evaluated, plus its change since then */
-  const double was = sqrt(k_t * sqrt(fmax(PAIR(p, k, overlap), 0.0))),
-               now = sqrt(k_t * sqrt(fmax(delta, 0.0)));
+  const double was = sqrt(k_t * sqrt(math_max(PAIR(p, k, overlap), 0.0))),
+               now = sqrt(k_t * sqrt(math_max(delta, 0.0)));
   const double y = was * PAIR(p, k, zeta) +
                    0.5 * (was + now) * (lambda - PAIR(p, k, lambda_ref) - PAIR(p, k, zeta));
   u->tangential = 0.5 * y * y;
@@ -101,7 +102,7 @@ contact_energies contact_energies_of(const engine *e, size_t k) {
     zeta = g.lambda - PAIR(p, k, lambda_ref);
     if (p->more) rho = contact_rho_of(e, k) - MORE(p, k, rho_ref);
   }
-  contact_energies u = {.normal = law_energy(&law, fmax(delta, 0.0)),
+  contact_energies u = {.normal = law_energy(&law, math_max(delta, 0.0)),
                         .tangential = 0.5 * law.k_t * zeta * zeta};
   if (p->more) energies_of_general(e, k, law.k_t, delta, zeta + PAIR(p, k, lambda_ref), rho, &u);
   return u;

@@ -5,6 +5,7 @@
 #include <assert.h>
 #include <math.h>
 
+#include "base/math.h"
 #include "model/model.h"
 #include "model/normal_laws.h"
 #include "physics/contact/pairs.h"
@@ -45,8 +46,8 @@ void walls_bounds(const placed_segment *g, double lower[2], double upper[2]) {
     const double from[2] = {g->x, g->y}, along[2] = {g->tx, g->ty};
     for (int c = 0; c < 2; c++) {
       const double to = from[c] + (line ? 0.0 : g->length * along[c]);
-      lower[c] = line ? -HUGE_VAL : fmin(from[c], to);
-      upper[c] = line ? HUGE_VAL : fmax(from[c], to);
+      lower[c] = line ? -HUGE_VAL : math_min(from[c], to);
+      upper[c] = line ? HUGE_VAL : math_max(from[c], to);
     }
     return;
   }
@@ -62,8 +63,8 @@ void walls_bounds(const placed_segment *g, double lower[2], double upper[2]) {
       const double first = c ? g->fy : g->fx, last = c ? g->ly : g->lx;
       const double end = g->piece == SD_PIECE_FIRST_END  ? first
                          : g->piece == SD_PIECE_LAST_END ? last
-                         : side > 0                      ? fmax(first, last)
-                                                         : fmin(first, last);
+                         : side > 0                      ? math_max(first, last)
+                                                         : math_min(first, last);
       const double edge = center[c] + g->radius * (curve && q.active ? side : end);
       if (side > 0)
         upper[c] = edge;
@@ -113,7 +114,9 @@ static void pose_piece(engine *e, size_t k, wall_pose *wall) {
     const uint32_t b = slot_of(&e->work.slots, from->body);
     assert(b >= s->n_disks && b < s->n_bodies && s->radius[b] == 0.0);
     const double angle = s->theta[b] + s->turn[b];
-    *wall = (wall_pose){from->body, true, s->x[b], s->y[b], cos(angle), sin(angle), s->box_scale};
+    double sine, cosine;
+    math_sine_cosine(angle, &sine, &cosine);
+    *wall = (wall_pose){from->body, true, s->x[b], s->y[b], cosine, sine, s->box_scale};
   }
   /* if the wall has not turned since, only its points move, not its directions */
   if (g->c == wall->c && g->i == wall->i)
@@ -199,9 +202,9 @@ static bool joint_of(const engine *e, size_t from, size_t to, joint *found) {
     const joint here = {placed(e, from), placed(e, to), end, other};
     placed_segment image;
     vertex_point(walls_image(e->work.length, here.from, x, y, &image), end, at);
-    const double distance = hypot(at[0] - x, at[1] - y);
+    const double distance = math_hypot(at[0] - x, at[1] - y);
     if (distance < nearest) *found = here;
-    nearest = fmin(nearest, distance);
+    nearest = math_min(nearest, distance);
   }
   return nearest < HUGE_VAL;
 }
@@ -274,7 +277,7 @@ double joints_radius(const engine *e, size_t k) {
 static bool holds(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const nearest_point q = nearest_on(e, k);
-  const double r = sqrt(fmax(q.dx * q.dx + q.dy * q.dy, 1e-280));
+  const double r = sqrt(math_max(q.dx * q.dx + q.dy * q.dy, 1e-280));
   return joints_active(e, k, placed(e, k), &q) &&
          e->state->radius[p->a[k]] - r > -e->work.laws[PAIR(p, k, law)].ends;
 }
@@ -289,7 +292,7 @@ sd_contact_law contact_law_of(const engine *e, size_t k) {
  * taken. */
 static double energy_on(const engine *e, size_t k, const sd_contact_record *r) {
   const sd_contact_law law = contact_law_of(e, k);
-  const double delta = fmax(r->overlap, 0.0);
+  const double delta = math_max(r->overlap, 0.0);
   const bool mindlin = law.tangential == SD_TANGENTIAL_MINDLIN;
   return law_energy(&law, delta) +
          0.5 * law.k_t * (mindlin ? sqrt(delta) : 1.0) * r->zeta * r->zeta;

@@ -6,6 +6,7 @@
 
 #include <math.h>
 
+#include "base/math.h"
 #include "model/model.h"
 #include "physics/system/work.h"
 
@@ -65,7 +66,7 @@ static inline nearest_point walls_nearest_arc(const placed_segment *g, double x,
     const double scale = r > 0.0 ? (g->radius - r) / r : 0.0;
     q.dx = rx * scale;
     q.dy = ry * scale;
-    q.arc += g->radius * atan2(g->mx * ry - g->my * rx, g->mx * rx + g->my * ry);
+    q.arc += g->radius * math_atan2(g->mx * ry - g->my * rx, g->mx * rx + g->my * ry);
     q.active = q.flat = within;
     return q;
   }
@@ -82,7 +83,8 @@ static inline nearest_point walls_nearest_arc(const placed_segment *g, double x,
 static inline double walls_lever(const placed_segment *g, const nearest_point *q, double radius) {
   if (g->piece == SD_PIECE_STRAIGHT) return 1.0;
   /* sum: R_a + R_b; way: signed distance r from the disk's centre to the centre of the circle */
-  const double sum = radius - q->side * g->radius, way = hypot(q->dx, q->dy) - q->side * g->radius;
+  const double sum = radius - q->side * g->radius,
+               way = math_hypot(q->dx, q->dy) - q->side * g->radius;
   return sum / way;
 }
 

@@ -15,6 +15,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/motions.h"
 #include "physics/contact/pairs.h"
@@ -30,7 +31,7 @@ void feedback_new(const engine *e, feedbacks *all) {
   }
   all->item = memory_new(n, sizeof *all->item);
   assert(!servo || n > 0);
-  if (servo) all->smoothing = -expm1(-e->model->dt / e->model->shortest_period);
+  if (servo) all->smoothing = -math_expm1(-e->model->dt / e->model->shortest_period);
 }
 
 void feedback_free(feedbacks *all) {
@@ -100,7 +101,7 @@ static double target(const engine *e, const sd_motion *m) {
   int across = m->coordinate == SD_X ? SD_Y : SD_X;
   double length = e->state->box_scale * m->length + displaced(e, m->beside[1], across) -
                   displaced(e, m->beside[0], across);
-  return m->pressure * fmax(length, 0.0);
+  return m->pressure * math_max(length, 0.0);
 }
 
 /* Updates the time-averaged force of a servo's wall on the disks, and returns the velocity of the
@@ -111,7 +112,7 @@ static double servo_speed(engine *e, const feedbacks *all, const feedback *f) {
   *felt += all->smoothing * (-*f->force - *felt);
   /* The two walls beside the servo's wall have met: there is no length left to push on. */
   if (wanted == 0.0) return 0.0;
-  return m->velocity * fmin(fmax((wanted - *felt) / fabs(wanted), -1.0), 1.0);
+  return m->velocity * math_min(math_max((wanted - *felt) / fabs(wanted), -1.0), 1.0);
 }
 
 /* --- loads and servos ------------------------------------------------------------------------- */

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/motions.h"
 #include "physics/contact/pairs.h"
@@ -526,7 +527,8 @@ static double beyond_limit(const engine *e, uint32_t slot, int coordinate, doubl
   const double radius = slot < s->n_free ? s->radius[slot] : m->smallest_radius;
   const double way = fabs(moved) * arm / radius, steady = speed * e->work.dt * arm / radius;
   const double jump = (way - steady) / STRIDES_JUMP;
-  return fmax(way, fmax(steady, jump)) > m->limits.displacement ? fmax(way, steady) : 0.0;
+  return math_max(way, math_max(steady, jump)) > m->limits.displacement ? math_max(way, steady)
+                                                                        : 0.0;
 }
 
 /* Sets *fastest to `way` and *slot to `body` if `way` is larger than *fastest. */
@@ -542,7 +544,7 @@ double motion_fastest(const engine *e, size_t *slot) {
   const size_t n_bodies = e->state->n_bodies;
   double fastest = 0.0;
   for (const prescribed *p = q->prescribed; p < q->prescribed + q->n_prescribed; p++) {
-    const double speed = fmax(fabs(*p->speed), fabs(p->speed_before));
+    const double speed = math_max(fabs(*p->speed), fabs(p->speed_before));
     if (p->slot < n_bodies)
       keep_faster(beyond_limit(e, p->slot, p->coordinate, p->moved, speed), p->slot, &fastest,
                   slot);

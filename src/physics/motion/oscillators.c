@@ -1,12 +1,13 @@
 /* oscillators.c: exact discrete steps of randomly forced oscillators; see signals.h. */
-#include "base/gsl.h"
 #include "physics/motion/signals.h"
 
 #include <assert.h>
 #include <math.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
+#include "base/quadrature.h"
 
 oscillators *oscillators_new(size_t n) { return memory_lines(n * sizeof(oscillators)); }
 
@@ -115,17 +116,18 @@ size_t oscillators_ahead(const motion_kernels *k, oscillators *g, const int64_t 
  * u(t), and its derivative *dg. */
 static void kick(double omega, double c, double t, double *g, double *dg) {
   double w2 = omega * omega * (1.0 - c * c), w = sqrt(fabs(w2)), x = w * t, ratio, cosine;
-  double decay = exp(-c * omega * t);
+  double decay = math_exp(-c * omega * t);
   /* power series of sin(x)/w or sinh(x)/w, which also holds for critical damping, w = 0 */
   if (x < 1e-4) {
     double sign = w2 > 0.0 ? -1.0 : 1.0;
     ratio = decay * t * (1.0 + sign * x * x / 6.0);
     cosine = decay * (1.0 + sign * x * x / 2.0);
   } else if (w2 > 0.0) {
-    ratio = decay * sin(x) / w;
-    cosine = decay * cos(x);
+    math_sine_cosine(x, &ratio, &cosine);
+    ratio = decay * ratio / w;
+    cosine *= decay;
   } else { /* over-damped: the exponentials contain the decay, so neither of them overflows */
-    double slow = exp((w - c * omega) * t), fast = exp(-(w + c * omega) * t);
+    double slow = math_exp((w - c * omega) * t), fast = math_exp(-(w + c * omega) * t);
     ratio = 0.5 * (slow - fast) / w;
     cosine = 0.5 * (slow + fast);
   }
@@ -145,30 +147,23 @@ random_step random_step_new(double omega, double c, double rms, double h) {
 
   /* The covariance 4 c w^3 rms^2 int_0^h (g, g')(g, g')^T dt is integrated in panels that are
    * shorter than every time scale of the oscillator. */
-  enum { POINTS = 16 };
-  gsl_error_handler_t *handler = gsl_set_error_handler_off();
-  gsl_integration_glfixed_table *table = gsl_integration_glfixed_table_alloc(POINTS);
-  gsl_set_error_handler(handler);
-  if (!table) memory_lacks(0);
   double fastest = omega * (c + sqrt(fabs(1.0 - c * c)) + 1.0), uu = 0.0, vu = 0.0, vv = 0.0;
-  double span = fmin(
+  double span = math_min(
       /* At the end of `span` g has decayed to e^-50. */
       h, 50.0 / (omega * (c > 1.0 ? c - sqrt(c * c - 1.0) : c)));
-  int panels = 1 + (int)fmin(ceil(span * fastest / 2.0), 1e6);
+  int panels = 1 + (int)math_min(ceil(span * fastest / 2.0), 1e6);
   for (int k = 0; k < panels; k++)
-    for (size_t p = 0; p < POINTS; p++) {
+    for (int p = 0; p < QUADRATURE_POINTS; p++) {
       double t, weight;
-      gsl_integration_glfixed_point(span * k / panels, span * (k + 1) / panels, p, &t, &weight,
-                                    table);
+      quadrature_point(span * k / panels, span * (k + 1) / panels, p, &t, &weight);
       kick(omega, c, t, &g, &dg);
       uu += weight * g * g;
       vu += weight * g * dg;
       vv += weight * dg * dg;
     }
-  gsl_integration_glfixed_table_free(table);
   double strength = 4.0 * c * omega * omega * omega * rms * rms;
   step.cholesky[0] = sqrt(strength * uu);
   step.cholesky[1] = uu > 0.0 ? sqrt(strength) * vu / sqrt(uu) : 0.0;
-  step.cholesky[2] = uu > 0.0 ? sqrt(strength * fmax(vv - vu * vu / uu, 0.0)) : 0.0;
+  step.cholesky[2] = uu > 0.0 ? sqrt(strength * math_max(vv - vu * vu / uu, 0.0)) : 0.0;
   return step;
 }

@@ -1,5 +1,4 @@
 /* signals.c: computes the signals of the motions of one system; see signals.h. */
-#include "base/gsl.h"
 
 #include <assert.h>
 #include <math.h>
@@ -41,11 +40,9 @@ static void fill_table(batch *b) {
     double t = (double)(b->local + k) * b->e->work.dt;
     if (m->periodic) t = from + (t - from) - span * floor((t - from) / span);
     bool beyond = !m->periodic && (t < from || t > to);
-    double at = t < from ? from : t > to ? to : t, u = 0.0, v = 0.0;
-    gsl_spline_eval_e(b->signal->spline, at, b->signal->accel, &u);
-    if (!beyond) gsl_spline_eval_deriv_e(b->signal->spline, at, b->signal->accel, &v);
-    b->u[k] = m->amplitude * u;
-    b->v[k] = m->amplitude * v;
+    double at = t < from ? from : t > to ? to : t;
+    b->u[k] = m->amplitude * spline_value(&b->signal->spline, at);
+    b->v[k] = m->amplitude * (beyond ? 0.0 : spline_slope(&b->signal->spline, at));
   }
 }
 
@@ -136,16 +133,9 @@ void signals_fill(const engine *e, signals *all, int64_t first) {
 
 /* --- tables ----------------------------------------------------------------------------------- */
 
-static sd_status spline_new(motion_signal *s, const sd_motion *m, sd_messages *messages) {
-  gsl_error_handler_t *handler = gsl_set_error_handler_off();
-  const gsl_interp_type *type = m->periodic ? gsl_interp_cspline_periodic : gsl_interp_cspline;
-  s->spline = gsl_spline_alloc(type, m->n_table);
-  s->accel = gsl_interp_accel_alloc();
-  assert(m->n_table >= 3); /* smallest number of points that both types of spline accept */
-  if (!s->spline || !s->accel) memory_lacks(0);
-  int bad = gsl_spline_init(s->spline, m->table_time, m->table_value, m->n_table);
-  gsl_set_error_handler(handler);
-  if (!bad) return SD_OK;
+static sd_status table_new(motion_signal *s, const sd_motion *m, sd_messages *messages) {
+  assert(m->n_table >= 3);
+  if (spline_new(&s->spline, m->table_time, m->table_value, m->n_table, m->periodic)) return SD_OK;
   return sd_fail(messages, SD_ERROR_USER, "motion \"%s\": no spline through its table",
                  m->name ? m->name : "?");
 }
@@ -200,7 +190,7 @@ sd_status signals_new(const engine *e, signals *all, sd_messages *messages) {
       case SIGNAL_WAVE: wave_new(e, &all->item[k].wave, motion); break;
       case SIGNAL_RANDOM: join_group(e, all, k); break;
       case SIGNAL_TABLE:
-        if (spline_new(&all->item[k], motion, messages) != SD_OK) return SD_ERROR_USER;
+        if (table_new(&all->item[k], motion, messages) != SD_OK) return SD_ERROR_USER;
         break;
       case SIGNAL_STEADY:
       case SIGNAL_FEEDBACK: break;
@@ -210,10 +200,7 @@ sd_status signals_new(const engine *e, signals *all, sd_messages *messages) {
 }
 
 void signals_free(const engine *e, signals *all) {
-  for (size_t k = 0; all->item && k < e->model->n_motions; k++) {
-    gsl_spline_free(all->item[k].spline);
-    gsl_interp_accel_free(all->item[k].accel);
-  }
+  for (size_t k = 0; all->item && k < e->model->n_motions; k++) spline_free(&all->item[k].spline);
   free(all->item);
   free(all->groups);
   free(all->draws);

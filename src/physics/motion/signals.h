@@ -3,10 +3,10 @@
 #ifndef PHYSICS_SIGNALS_H
 #define PHYSICS_SIGNALS_H
 
-#include "base/gsl.h"
 #include "model/state.h"
 #include "physics/motion/motion.h"
 #include "physics/motion/motion_kernels.h"
+#include "physics/motion/spline.h"
 #include "physics/system/work.h"
 
 /* --- randomly forced oscillators (eq. 52) ----------------------------------------------------- */
@@ -69,8 +69,7 @@ typedef struct motion_signal {
   wave wave;          /* constants, if the signal is a wave */
   random_step step;   /* propagator and noise, if the motion is random */
   size_t group, lane; /* position of its oscillator in signals.groups, if the motion is random */
-  gsl_spline *spline; /* spline through a table; NULL: no table */
-  gsl_interp_accel *accel;
+  spline spline;      /* through a table, if the motion has one */
   /* Memory for u, v and low; kernels may write up to WAVE_FINE numbers before and after the
    * MOTION_BATCH values. */
   double values[3][WAVE_FINE + MOTION_BATCH + WAVE_FINE];

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
 #include "physics/system/bodies.h"
@@ -43,14 +44,14 @@ static bool near_round_wall(const engine *e, uint32_t i, uint32_t b) {
   const work *w = &e->work;
   double dx = s->x[b] - s->x[i], dy = s->y[b] - s->y[i], sum = s->radius[i] + s->radius[b];
   box_nearest(w, &dx, &dy);
-  double r = hypot(dx, dy);
+  double r = math_hypot(dx, dy);
   if (s->radius[b] < 0.0) r = -r;
   return sum - r > -largest_margin(e);
 }
 
 static bool near_image(const engine *e, uint32_t i, const placed_segment *g) {
   nearest_point q = walls_nearest(g, e->state->x[i], e->state->y[i]);
-  return hypot(q.dx, q.dy) < e->state->radius[i] + largest_margin(e);
+  return math_hypot(q.dx, q.dy) < e->state->radius[i] + largest_margin(e);
 }
 
 /* Returns true if disk i is near any periodic image of a wall segment. All images are tested, since

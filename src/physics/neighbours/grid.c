@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "base/comm.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "physics/system/bodies.h"
 
@@ -50,7 +51,7 @@ static size_t level_of(const grid *g, double radius) {
  * direction the first and last cell extend to infinity; along a periodic one disks lie inside the
  * box, except for a small distance (grid.overhang). */
 static int64_t cell_of(const grid_level *l, int c, double at) {
-  double k = fmin((at - l->lower[c]) * l->per_cell[c], (double)(l->cells[c] - 1));
+  double k = math_min((at - l->lower[c]) * l->per_cell[c], (double)(l->cells[c] - 1));
   return k > 0.0 ? (int64_t)k : 0;
 }
 
@@ -67,9 +68,9 @@ static bool in_play(const sd_state *s, size_t slot) {
 static void choose_cells(grid_level *l, const double low[2], const double high[2], double reach) {
   const double most = CELLS_PER_DISK * (double)l->count + 1.0;
   const double area = (high[0] - low[0]) * (high[1] - low[1]),
-               size = fmax(CELL_SIZE * reach, sqrt(area / most));
+               size = math_max(CELL_SIZE * reach, sqrt(area / most));
   for (int c = 0; c < 2; c++) {
-    const double span = high[c] - low[c], cells = fmax(fmin(floor(span / size), most), 1.0);
+    const double span = high[c] - low[c], cells = math_max(math_min(floor(span / size), most), 1.0);
     l->lower[c] = low[c];
     l->cells[c] = (int64_t)cells;
     l->per_cell[c] = span > 0.0 ? cells / span : 0.0;
@@ -121,7 +122,8 @@ static void count_disks(const grid_task *f, size_t begin, size_t end, grid_share
     mine->last[k] = (uint32_t)i;
     for (int c = 0; c < 2; c++)
       if (w->periodic[c])
-        mine->overhang = fmax(mine->overhang, fmax(w->lower[c] - at[c], at[c] - w->upper[c]));
+        mine->overhang =
+            math_max(mine->overhang, math_max(w->lower[c] - at[c], at[c] - w->upper[c]));
   }
 }
 
@@ -130,10 +132,10 @@ static void join_counts(const grid_task *f, int threads, grid_share *all) {
   for (int t = 1; t < threads; t++) {
     const grid_share *more = &f->share[t];
     for (int c = 0; c < 2; c++) {
-      all->low[c] = fmin(all->low[c], more->low[c]);
-      all->high[c] = fmax(all->high[c], more->high[c]);
+      all->low[c] = math_min(all->low[c], more->low[c]);
+      all->high[c] = math_max(all->high[c], more->high[c]);
     }
-    all->overhang = fmax(all->overhang, more->overhang);
+    all->overhang = math_max(all->overhang, more->overhang);
     for (size_t k = 0; k < f->g->count; k++) {
       all->count[k] += more->count[k];
       if (more->count[k]) all->last[k] = more->last[k];
@@ -365,8 +367,8 @@ static void add_circle(const grid_level *l, range v, const double at[2], double 
   for (int64_t k = v.first; k <= v.last; k++) {
     double low, high;
     row_edges(l, k, &low, &high);
-    const double dy = fmax(fmax(low - at[1], at[1] - high), 0.0);
-    const double half = slack(sqrt(fmax(r * r - dy * dy, 0.0)), r);
+    const double dy = math_max(math_max(low - at[1], at[1] - high), 0.0);
+    const double half = slack(sqrt(math_max(r * r - dy * dy, 0.0)), r);
     add_row(l, k, at[0] - half, at[0] + half, found);
   }
 }
@@ -402,16 +404,16 @@ static bool chord(const grid_line *line, double reach, double low, double high, 
   if (line->ty != 0.0) {
     const double one = (low - reach - line->y) / line->ty,
                  two = (high + reach - line->y) / line->ty;
-    from = fmax(from, fmin(one, two));
-    to = fmin(to, fmax(one, two));
+    from = math_max(from, math_min(one, two));
+    to = math_min(to, math_max(one, two));
   } else if (line->y < low - reach || line->y > high + reach) {
     return false;
   }
   if (!(from <= to)) return false;
   const double one = line->x + (line->tx != 0.0 ? from * line->tx : 0.0);
   const double two = line->x + (line->tx != 0.0 ? to * line->tx : 0.0);
-  *left = fmin(one, two) - reach;
-  *right = fmax(one, two) + reach;
+  *left = math_min(one, two) - reach;
+  *right = math_max(one, two) + reach;
   return true;
 }
 
@@ -419,7 +421,7 @@ void grid_along(const grid_level *l, const grid_line *line, double reach, grid_r
   const double r = slack(reach, fabs(line->x) + fabs(line->y));
   const double back = line->ty != 0.0 ? -line->back * line->ty : 0.0;
   const double end = line->ty != 0.0 ? line->length * line->ty : 0.0;
-  const double low = line->y + fmin(back, end) - r, high = line->y + fmax(back, end) + r;
+  const double low = line->y + math_min(back, end) - r, high = line->y + math_max(back, end) + r;
   found->count = 0;
   /* treat the grid as open: disks outside the box are in its outermost cells */
   grid_level open = *l;

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "physics/contact/energy.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
@@ -104,9 +105,9 @@ sd_status neighbours_check_next(const engine *e, sd_messages *messages) {
  * bounding box of the disks. */
 static double farthest_disk(const engine *e, const double pivot[2], const double low[2],
                             const double high[2]) {
-  const double dx = fmax(high[0] - pivot[0], pivot[0] - low[0]),
-               dy = fmax(high[1] - pivot[1], pivot[1] - low[1]);
-  return hypot(dx, dy) + largest_margin(e);
+  const double dx = math_max(high[0] - pivot[0], pivot[0] - low[0]),
+               dy = math_max(high[1] - pivot[1], pivot[1] - low[1]);
+  return math_hypot(dx, dy) + largest_margin(e);
 }
 
 /* Finds for each wall the largest distance from its pivot to a point of the wall that may touch a
@@ -123,16 +124,16 @@ static void note_reaches(const engine *e, const double low[2], const double high
     const uint32_t b = slot_of(&w->slots, e->model->segments[k].body);
     const double x = g->x - s->x[b], y = g->y - s->y[b];
     const double end =
-        isfinite(g->length) ? hypot(x + g->length * g->tx, y + g->length * g->ty) : HUGE_VAL;
+        isfinite(g->length) ? math_hypot(x + g->length * g->tx, y + g->length * g->ty) : HUGE_VAL;
     double *reach = &w->reach[b - s->n_disks];
-    *reach = fmax(*reach, fmax(hypot(x, y) + g->radius, end));
+    *reach = math_max(*reach, math_max(math_hypot(x, y) + g->radius, end));
   }
   for (size_t b = s->n_disks; b < s->n_bodies; b++) {
     const double pivot[2] = {s->x[b], s->y[b]};
     double *reach = &w->reach[b - s->n_disks];
     /* in a periodic box a disk may touch an image of the wall, far from the pivot */
     const bool images = w->periodic[0] || w->periodic[1];
-    if (!images || !isfinite(*reach)) *reach = fmin(*reach, farthest_disk(e, pivot, low, high));
+    if (!images || !isfinite(*reach)) *reach = math_min(*reach, farthest_disk(e, pivot, low, high));
   }
 }
 
@@ -176,8 +177,8 @@ static void note_poses(const engine *e) {
   pool_run(work_pool(e), note_together, &f);
   for (int t = 1; t < WORK_MAX_THREADS; t++)
     for (int c = 0; c < 2; c++) {
-      f.share[0].low[c] = fmin(f.share[0].low[c], f.share[t].low[c]);
-      f.share[0].high[c] = fmax(f.share[0].high[c], f.share[t].high[c]);
+      f.share[0].low[c] = math_min(f.share[0].low[c], f.share[t].low[c]);
+      f.share[0].high[c] = math_max(f.share[0].high[c], f.share[t].high[c]);
     }
   for (size_t b = s->n_disks; b < s->n_bodies; b++) w->theta0[b] = s->theta[b] + s->turn[b];
   note_reaches(e, f.share[0].low, f.share[0].high);
@@ -185,7 +186,7 @@ static void note_poses(const engine *e) {
 
 static double largest_radius(const sd_state *s) {
   double largest = 0.0;
-  for (size_t i = 0; i < s->n_disks; i++) largest = fmax(largest, s->radius[i]);
+  for (size_t i = 0; i < s->n_disks; i++) largest = math_max(largest, s->radius[i]);
   return largest;
 }
 
@@ -194,8 +195,8 @@ static double largest_radius(const sd_state *s) {
 static double least_stretch(const work_cell *c) {
   const double x = 1.0 + c->map[0], y = 1.0 + c->map[1],
                sum = x * x + y * y + c->map[2] * c->map[2],
-               root = sqrt(fmax(sum * sum - 4.0 * (x * y) * (x * y), 0.0));
-  return sqrt(fmax(0.5 * (sum - root), 0.0));
+               root = sqrt(math_max(sum * sum - 4.0 * (x * y) * (x * y), 0.0));
+  return sqrt(math_max(0.5 * (sum - root), 0.0));
 }
 
 /* Returns how far a body may move before the lists are stale. Each of two bodies may use up 0.45 of
@@ -203,8 +204,8 @@ static double least_stretch(const work_cell *c) {
  * the box shrinks, surfaces approach even without motion, and the limit is reduced by that. */
 static double limit_of(const engine *e) {
   const work *w = &e->work;
-  double shrunk = fmax(1.0 - e->state->box_scale / w->list_scale, 0.0);
-  if (w->cell.on) shrunk += fmax(1.0 - least_stretch(&w->cell), 0.0);
+  double shrunk = math_max(1.0 - e->state->box_scale / w->list_scale, 0.0);
+  if (w->cell.on) shrunk += math_max(1.0 - least_stretch(&w->cell), 0.0);
   return 0.45 * w->skin - 0.5 * shrunk * (2.0 * largest_radius(e->state) + largest_margin(e));
 }
 
@@ -271,7 +272,7 @@ bool neighbours_rescale(engine *e, double f) {
     w->x0[i] = corner[SD_X] + f * (w->x0[i] - corner[SD_X]);
     w->y0[i] = corner[SD_Y] + f * (w->y0[i] - corner[SD_Y]);
   }
-  for (size_t b = 0; b < e->model->n_walls; b++) w->reach[b] *= fmax(f, 1.0);
+  for (size_t b = 0; b < e->model->n_walls; b++) w->reach[b] *= math_max(f, 1.0);
   for (int k = 0; k < 3; k++) w->cell.list[k] *= f;
   double limit = limit_of(e);
   bool stale = limit < 0.225 * w->skin;
@@ -292,10 +293,10 @@ void neighbours_tune(engine *e) {
   const sd_state *s = e->state;
   work *w = &e->work;
   if (e->model->skin > 0.0) return;
-  double steps = fmax((double)(s->step - w->built_at), 1.0), skin = w->skin / w->mean_radius;
+  double steps = math_max((double)(s->step - w->built_at), 1.0), skin = w->skin / w->mean_radius;
   double factor = sqrt(TUNE_BALANCE / (steps * skin));
-  skin *= fmin(fmax(factor, 1.0 / TUNE_STEP), TUNE_STEP);
-  w->skin = w->mean_radius * fmin(fmax(skin, TUNE_LEAST), TUNE_MOST);
+  skin *= math_min(math_max(factor, 1.0 / TUNE_STEP), TUNE_STEP);
+  w->skin = w->mean_radius * math_min(math_max(skin, TUNE_LEAST), TUNE_MOST);
   assert(w->skin > 0.0);
 }
 

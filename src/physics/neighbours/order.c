@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/comm.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/state.h"
 #include "physics/neighbours/grid.h"
@@ -35,8 +36,8 @@ static range range_of(const sd_state *s, const double *at, const comm *c) {
   range x = {HUGE_VAL, -HUGE_VAL};
   for (size_t i = 0; i < s->n_free; i++) {
     if (!in_play(s, i)) continue;
-    x.low = fmin(x.low, at[i]);
-    x.high = fmax(x.high, at[i]);
+    x.low = math_min(x.low, at[i]);
+    x.high = math_max(x.high, at[i]);
   }
   x = (range){-comm_largest(c, -x.low), comm_largest(c, x.high)};
   return x;
@@ -47,9 +48,9 @@ static range range_of(const sd_state *s, const double *at, const comm *c) {
  * second, last but one, ... so that neighbours across the edge have close numbers. */
 static uint64_t strip_of(double at, range x, double width, bool folded) {
   /* limits the number of strips if a disk is lost far away */
-  width = fmax(width, (x.high - x.low) * 1e-9);
+  width = math_max(width, (x.high - x.low) * 1e-9);
   double count = floor((x.high - x.low) / width) + 1.0, k = floor((at - x.low) / width);
-  k = fmin(fmax(k, 0.0), count - 1.0);
+  k = math_min(math_max(k, 0.0), count - 1.0);
   assert(count >= 1.0 && k >= 0.0);
   if (!folded) return (uint64_t)k;
   return (uint64_t)(k < 0.5 * count ? 2.0 * k : 2.0 * (count - 1.0 - k) + 1.0);

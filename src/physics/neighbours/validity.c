@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/model.h"
 #include "physics/contact/energy.h"
@@ -453,7 +454,7 @@ static void check_closed(const engine *e, size_t k) {
   assert(fabs(r.ex * r.ex + r.ey * r.ey - 1.0) < ROUNDING);
   assert(r.overlap <= e->model->max_overlap * least && r.overlap > -law->ends * (1.0 + ROUNDING));
   if (general) {
-    const double limit = fmax(r.force + r.pull, 0.0);
+    const double limit = math_max(r.force + r.pull, 0.0);
     assert(law->pulls > 0.0 || r.force + r.pull >= -ROUNDING * r.pull);
     assert(r.pull >= 0.0 && r.pull <= law->pull_off &&
            (r.overlap > 0.0 || limit <= ROUNDING * r.pull));
@@ -500,7 +501,7 @@ static double gap_of(const engine *e, size_t i, size_t j) {
   const work *w = &e->work;
   double dx = s->x[j] - s->x[i], dy = s->y[j] - s->y[i];
   box_nearest(w, &dx, &dy);
-  return hypot(dx, dy) - s->radius[i] - s->radius[j];
+  return math_hypot(dx, dy) - s->radius[i] - s->radius[j];
 }
 
 static bool is_candidate(const engine *e, size_t i, size_t j) {

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/model.h"
 #include "model/motions.h"
@@ -227,7 +228,9 @@ static void load_straight(lanes *l, size_t k, size_t lane) {
       &e->work.laws[(size_t)s->material[a] * e->model->n_materials + (size_t)s->material[b]];
   const sd_segment *piece = e->model->segments;
   while (piece->body != s->id[b]) piece++;
-  const placed_segment g = walls_place(piece, 0.0, 0.0, cos(angle), sin(angle), s->box_scale);
+  double sine, cosine;
+  math_sine_cosine(angle, &sine, &cosine);
+  const placed_segment g = walls_place(piece, 0.0, 0.0, cosine, sine, s->box_scale);
   double *p = l->pair[k];
   *cell(l, l->of_straight[k], STRAIGHT_START_X, lane) = g.x;
   *cell(l, l->of_straight[k], STRAIGHT_START_Y, lane) = g.y;

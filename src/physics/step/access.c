@@ -1,6 +1,7 @@
 /* access.c: read access to a system; implements access.h. */
 #include "physics/step/access.h"
 
+#include "base/math.h"
 #include "physics/contact/walls.h"
 #include "physics/motion/motion.h"
 
@@ -31,7 +32,7 @@ double engine_outrun_skin(const engine *e) {
   for (size_t i = 0; i < s->n_free; i++) {
     const double dx = s->x[i] + (s->vx[i] * w->dt + s->x2[i]) - w->x0[i],
                  dy = s->y[i] + (s->vy[i] * w->dt + s->y2[i]) - w->y0[i];
-    most = fmax(most, hypot(dx, dy));
+    most = math_max(most, math_hypot(dx, dy));
   }
   /* a margin of most/0.45 would just do (limit_of), so this one leaves a little room */
   return most / 0.44;

@@ -10,6 +10,7 @@
 
 #include <math.h>
 
+#include "base/math.h"
 #include "model/model.h"
 #include "model/normal_laws.h"
 #include "physics/contact/walls.h"
@@ -101,7 +102,7 @@ static inline double engine_contact_tau(const engine *e, size_t k) {
 }
 static inline double engine_contact_stiffness(const engine *e, size_t k) {
   const sd_contact_law law = contact_law_of(e, k);
-  return law_stiffness(&law, fmax(engine_contact_overlap(e, k), 0.0));
+  return law_stiffness(&law, math_max(engine_contact_overlap(e, k), 0.0));
 }
 /* Indices of candidates. The candidate pairs of the body in `slot` are engine_candidate(e, at), for
  * `at` from engine_first(e, slot) to engine_first(e, slot + 1) - 1. */

@@ -19,6 +19,7 @@
 #include <string.h>
 
 #include "base/exact_sum.h"
+#include "base/math.h"
 #include "model/cell.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
@@ -112,8 +113,8 @@ static void set_gradient(engine *e, const double rate[SD_CELL_COMPONENTS], doubl
   sd_state *s = e->state;
   double before[SD_CELL_COMPONENTS], after[SD_CELL_COMPONENTS];
   cell_gradient(e, before);
-  const double xx = rate[SD_CELL_XX] != 0.0 ? expm1(rate[SD_CELL_XX] * over) / over : 0.0;
-  const double yy = rate[SD_CELL_YY] != 0.0 ? expm1(rate[SD_CELL_YY] * over) / over : 0.0;
+  const double xx = rate[SD_CELL_XX] != 0.0 ? math_expm1(rate[SD_CELL_XX] * over) / over : 0.0;
+  const double yy = rate[SD_CELL_YY] != 0.0 ? math_expm1(rate[SD_CELL_YY] * over) / over : 0.0;
   set_speed(e, CELL_X, xx * s->cell[CELL_X]);
   set_speed(e, CELL_Y, yy * s->cell[CELL_Y]);
   set_speed(e, CELL_SHEAR, rate[SD_CELL_XY]);
@@ -177,10 +178,10 @@ bool cell_near(const engine *e, double part) {
   double stress[SD_CELL_COMPONENTS], scale = 0.0, off = 0.0;
   if (!c->asked) return true;
   for (int k = 0; k < SD_CELL_COMPONENTS; k++)
-    if (c->controlled[k]) scale = fmax(scale, fabs(c->stress[k]));
+    if (c->controlled[k]) scale = math_max(scale, fabs(c->stress[k]));
   measure_stress(e, stress);
   for (int k = 0; k < SD_CELL_COMPONENTS; k++)
-    if (c->controlled[k]) off = fmax(off, fabs(stress[k] - c->stress[k]));
+    if (c->controlled[k]) off = math_max(off, fabs(stress[k] - c->stress[k]));
   return off <= part * scale;
 }
 
@@ -192,7 +193,7 @@ static void choose_rates(const engine *e, const sd_cell *c, double over,
   double stress[SD_CELL_COMPONENTS], now[SD_CELL_COMPONENTS], scale = 0.0;
   for (int k = 0; k < SD_CELL_COMPONENTS; k++) {
     rate[k] = c->rate[k];
-    if (c->controlled[k]) scale = fmax(scale, fabs(c->stress[k]));
+    if (c->controlled[k]) scale = math_max(scale, fabs(c->stress[k]));
   }
   if (scale == 0.0) return;
   measure_stress(e, stress);

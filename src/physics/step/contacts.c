@@ -10,6 +10,7 @@
 #include <stdlib.h>
 
 #include "base/comm.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/model.h"
 #include "model/normal_laws.h"
@@ -67,7 +68,7 @@ static void rebase(engine *e, size_t k) {
   PAIR(p, k, lambda_ref) += sum * g.turned;
   PAIR(p, k, turned) = 0.0;
   normal(e, k, &PAIR(p, k, ex), &PAIR(p, k, ey));
-  assert(!(fabs(hypot(PAIR(p, k, ex), PAIR(p, k, ey)) - 1.0) > 1e-9));
+  assert(!(fabs(math_hypot(PAIR(p, k, ex), PAIR(p, k, ey)) - 1.0) > 1e-9));
   if (!pairs_is_segment(p, k)) return;
   const nearest_point q = nearest_on_piece(e, k);
   if (!q.flat && q.side != p->side[k]) {
@@ -387,7 +388,7 @@ static first_overlap overlap_of(const engine *e, size_t a, size_t b, double dept
                          .depth = depth,
                          .relative = depth / s->radius[a],
                          .force = law_force(&law, depth),
-                         .weight = fmin(s->mass[a], s->mass[b]) * hypot(g[0], g[1])};
+                         .weight = math_min(s->mass[a], s->mass[b]) * math_hypot(g[0], g[1])};
 }
 
 sd_status contacts_check_start(const engine *e, first_overlap *deepest, sd_messages *messages) {
@@ -400,8 +401,8 @@ sd_status contacts_check_start(const engine *e, first_overlap *deepest, sd_messa
     const size_t a = (size_t)p->a[k], b = (size_t)p->b[k];
     const double dx = engine_nearest(e, SD_X, s->x[a] - s->x[b]),
                  dy = engine_nearest(e, SD_Y, s->y[a] - s->y[b]);
-    const double least = fmin(s->radius[a], s->radius[b]),
-                 depth = s->radius[a] + s->radius[b] - hypot(dx, dy);
+    const double least = math_min(s->radius[a], s->radius[b]),
+                 depth = s->radius[a] + s->radius[b] - math_hypot(dx, dy);
     if (depth > deepest->relative * least && !pairs_closed(p, k))
       *deepest = overlap_of(e, a, b, depth);
     if (!(most > 0.0 && depth > most * least)) continue;
@@ -549,7 +550,7 @@ void contacts_load(engine *e) {
 static bool slid_before(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const law_row *l = &e->work.laws[PAIR(p, k, law)];
-  const double limit = fmax(PAIR(p, k, force) + MORE(p, k, pull), 0.0);
+  const double limit = math_max(PAIR(p, k, force) + MORE(p, k, pull), 0.0);
   return fabs(MORE(p, k, tau)) <= (1.0 + 1e-6) * l->cap_kinetic * l->k_t * limit;
 }
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "model/model.h"
 #include "model/normal_laws.h"
@@ -148,7 +149,7 @@ static void fill_laws(const sd_model *m, work *w) {
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++) {
     w->laws[k] = row_of(&m->laws[k]);
     assert(m->laws[k].normal < SD_NORMAL_LAWS && w->laws[k].cap >= 0.0);
-    w->margin = fmax(w->margin, fmax(w->laws[k].begins, w->laws[k].ends));
+    w->margin = math_max(w->margin, math_max(w->laws[k].begins, w->laws[k].ends));
     if (!same_row(&w->laws[k], &w->laws[0])) w->one_law = false;
   }
   w->pairs.wants_more = w->spare.wants_more = (w->features & LAW_GENERAL) != 0;
@@ -187,7 +188,7 @@ static void fill_columns(const sd_state *s, work *w) {
 static void fill_limit(const engine *e, work *w) {
   double least = HUGE_VAL;
   for (size_t i = 0; i < e->state->n_bodies; i++)
-    if (e->state->radius[i] != 0.0) least = fmin(least, fabs(e->state->radius[i]));
+    if (e->state->radius[i] != 0.0) least = math_min(least, fabs(e->state->radius[i]));
   w->least_limit = e->model->max_overlap * least;
   assert(w->least_limit > 0.0);
 }
@@ -201,7 +202,8 @@ static void fill_skin(const engine *e, work *w) {
   const double mean = m->mean_radius;
   assert(mean > 0.0);
   w->mean_radius = mean;
-  w->surface_unit = exp2(ceil(log2(mean)));
+  int exponent; /* mean = m 2^exponent, m in [1/2, 1) */
+  w->surface_unit = frexp(mean, &exponent) == 0.5 ? mean : ldexp(1.0, exponent);
   w->skin = e->halo && e->halo->skin > 0.0 ? e->halo->skin : engine_first_skin(m);
 }
 

@@ -12,6 +12,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
@@ -53,7 +54,7 @@ static void renew_overlaps(engine *e) {
     /* an overlap that was positive may become 0 but not negative, since the contact counts as
      * closed until the next evaluation */
     const double overlap = contact_geometry_of(e, k).overlap;
-    PAIR(p, k, overlap) = PAIR(p, k, overlap) > 0.0 ? fmax(overlap, 0.0) : overlap;
+    PAIR(p, k, overlap) = PAIR(p, k, overlap) > 0.0 ? math_max(overlap, 0.0) : overlap;
   }
 }
 
