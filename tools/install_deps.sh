@@ -6,6 +6,7 @@
 #   tools/install_deps.sh --docs    also what makes the documentation site
 #   tools/install_deps.sh --deb     also what makes and checks the .deb
 #   tools/install_deps.sh --mpi     also Open MPI and Zoltan, for builds with -DSLIPDISK_MPI=ON
+#   tools/install_deps.sh --arm     also the cross compiler for aarch64 and qemu (tools/arm.sh)
 #   tools/install_deps.sh --play    also what compiles the engine for browsers (tools/play.sh)
 # Several may be given. Needs root (or sudo) only when something is missing.
 set -euo pipefail
@@ -35,6 +36,7 @@ for option in "$@"; do
     --docs) packages+=("${site[@]}") ;;
     --deb) packages+=("${deb[@]}") ;;
     --mpi) packages+=(libopenmpi-dev openmpi-bin libtrilinos-zoltan-dev) ;;
+    --arm) packages+=(gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user python3 python3-numpy python3-h5py) ;;
     --play) packages+=(emscripten node-acorn nodejs python3) ;;
     *) "$0" --help >&2; exit 2 ;;
   esac

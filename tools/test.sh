@@ -12,8 +12,9 @@
 #
 #   tools/test.sh           everything
 #   tools/test.sh --quick   packages and the release build's tests only
-#   tools/test.sh PART...   some parts: packages format lint dev tsan clang release soak coverage mpi slow dev-long play
-# Part play compiles the engine for browsers and runs its tests; it is in no other list, since emscripten is large.
+#   tools/test.sh PART...   some parts: packages format lint dev tsan clang release soak coverage mpi slow dev-long play arm
+# Part play compiles the engine for browsers and runs its tests; it is in no other list, since emscripten is large. Nor is part
+# arm, which runs the golden decks for another processor in an emulator.
 # Stops at the first part that fails. Run it as often as you like: what ccache and lint have seen goes quickly. The parts
 # say at the end how long they took, and how much processor time.
 set -euo pipefail
@@ -86,6 +87,9 @@ part() {
       tools/play.sh
       build release
       ctest --preset release -R '^test_play' ;;
+    arm) say "The golden decks on aarch64"
+      tools/install_deps.sh --arm
+      tools/arm.sh ;;
     *) tools/test.sh --help >&2; exit 2 ;;
   esac
 }
