@@ -231,7 +231,7 @@ LANE_INLINE LANE(real) LANE(mask_zero)(LANE(mask) m, LANE(real) a) {
 /* Returns `a`, or 0 with its sign if it is subnormal, on machines whose arithmetic does not do that
  * by itself (subnormal.h). */
 LANE_INLINE LANE(real) LANE(normal)(LANE(real) a) {
-#if defined(__SSE2__)
+#if defined(__SSE2__) || defined(__aarch64__)
   return a;
 #else
   const LANE(real) size = LANE(max)(a, -a);

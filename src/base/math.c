@@ -284,12 +284,40 @@ static twofold arc_tangent(twofold y, twofold x) {
   return add(ARC_TANGENT[(int)near], multiply(u, series(C, 3, z, polynomial(TAIL, 5, z.hi))));
 }
 
+/* Arc tangent of y/x for 0 < y <= x to 60 binary digits or more, enough to round most of them. */
+static twofold arc_tangent_fast(double y, double x) {
+  static const double SERIES[] = {-1.0 / 3.0,  1.0 / 5.0,  -1.0 / 7.0, 1.0 / 9.0,
+                                  -1.0 / 11.0, 1.0 / 13.0, -1.0 / 15.0};
+  const double k = floor(8.0 * (y / x) + 0.5);
+  const twofold kx = product(k, x), ky = product(k, y);
+  const double above = 8.0 * y - kx.hi;
+  const twofold below = sum_ordered(8.0 * x, ky.hi);
+  const double u = above / (below.hi + below.lo), z = u * u;
+  const twofold exact = product(u, below.hi);
+  const double rest = (above - exact.hi) - exact.lo - kx.lo - u * (below.lo + ky.lo);
+  const double more = u * z * polynomial(SERIES, 7, z);
+  const twofold a = sum_ordered(ARC_TANGENT[(int)k].hi, u);
+  return sum_ordered(a.hi, a.lo + (ARC_TANGENT[(int)k].lo + (rest / below.hi + more)));
+}
+
+/* The angle of a direction from that to the nearer axis; steep: to the y axis; left: x < 0. */
+static twofold in_half_plane(twofold angle, bool steep, bool left) {
+  if (steep) angle = add(HALF_PI, negative(angle));
+  if (left) angle = add((twofold){2.0 * HALF_PI.hi, 2.0 * HALF_PI.lo}, negative(angle));
+  return angle;
+}
+
 /* Angle of the direction (x, y), y >= 0, x and y not both 0, both at most about 2. */
 static double angle_of(twofold y, twofold x) {
-  const twofold a = x.hi < 0.0 ? negative(x) : x;
-  twofold angle = y.hi <= a.hi ? arc_tangent(y, a) : add(HALF_PI, negative(arc_tangent(a, y)));
-  if (x.hi < 0.0) angle = add((twofold){2.0 * HALF_PI.hi, 2.0 * HALF_PI.lo}, negative(angle));
-  return angle.hi;
+  const bool left = x.hi<0.0, steep = y.hi> fabs(x.hi);
+  if (left) x = negative(x);
+  const twofold a = steep ? x : y, b = steep ? y : x;
+  if (y.lo == 0.0 && x.lo == 0.0 && a.hi > TINY) {
+    const twofold angle = in_half_plane(arc_tangent_fast(a.hi, b.hi), steep, left);
+    const double error = angle.hi * 0x1p-58;
+    if (angle.hi + (angle.lo - error) == angle.hi + (angle.lo + error)) return angle.hi;
+  }
+  return in_half_plane(arc_tangent(a, b), steep, left).hi;
 }
 
 double math_atan2(double y, double x) {

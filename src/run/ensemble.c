@@ -95,7 +95,7 @@ static void go_together(ensemble *e, size_t n, engine *const *systems, int64_t s
   lanes *l = lanes_for(e, n, systems);
   /* store the motions of systems that were advanced without lanes before */
   for (size_t k = 0; k < n; k++) motion_store(systems[k]);
-  unsigned mode = subnormal_off();
+  uint64_t mode = subnormal_off();
   lanes_loop(l, steps, measure);
   subnormal_restore(mode);
   if (n > e->in_lanes) e->in_lanes = n;

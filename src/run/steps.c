@@ -90,7 +90,7 @@ static void take_steps(const steps_task *a, const team *t) {
 
 static void member(const team *t, void *with) {
   const steps_task *a = with;
-  unsigned mode = subnormal_off();
+  uint64_t mode = subnormal_off();
   if (engine_lanes(a->e))
     lanes_loop(engine_lanes(a->e), a->until - a->e->state->step, a->measure);
   else

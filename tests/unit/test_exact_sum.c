@@ -151,7 +151,7 @@ static void carries_do_not_overflow(void **unused) {
 
 static void in_any_mode(void **unused) {
   (void)unused;
-  const unsigned mode = subnormal_off();
+  const uint64_t mode = subnormal_off();
   exact_sum s = {0};
   for (int k = 0; k < 3; k++) exact_sum_add(&s, 0x1p-1074);
   const double found = exact_sum_value(&s);

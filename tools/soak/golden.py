@@ -37,6 +37,11 @@ VERLET, GEAR = {"integrator": "verlet"}, {"integrator": "gear5"}
 TILTS = {"sweep.replicas": 1, "sweep.parameters": '({ path = "gravity.tilt"; values = (%s); })' % ", ".join(
     str(k / 100) for k in range(11))}
 
+ARC_PACKING = ('({ type = "triangular"; count = 40; spacing = 0.065; jitter = 0.9; x = [ -1.0, -0.6 ]; y = [ 1.1, 1.8 ]; '
+               'sizes = "lognormal"; radius = 0.02; deviation = 0.15; density = 3.57; material = "grain"; group = "grains"; })')
+ARC_MOTION = ('({ name = "sway"; wall = "left"; coordinate = "theta"; type = "table"; times = (0, 0.1, 0.25, 0.4); '
+              'values = (0, 0.02, -0.02, 0); periodic = true; })')
+
 
 @dataclasses.dataclass(frozen=True)
 class Deck:
@@ -84,6 +89,8 @@ def decks():
         Deck("tiles", "packing/jam_friction.cfg", {
             "packings[0].tiles": 4, "phases.gather.compress.rate": 2e-3, "phases.press.compress.rate": 1e-3,
             "phases.press.time": 200, "phases.relax.time": 50}, 0.6),
+        # random radii and places, arcs of which one moves by a table, and disks in free flight
+        Deck("arc", "walls/arc.cfg", {"packings": ARC_PACKING, "motions": ARC_MOTION, "phases[0].time": 1.5}, 0.02),
         Deck("carried", "packing/shake_low.cfg", {**SHAKE, "phases.rest.time": 0.03, "packings": "()"}, 0.02, begins="shake"),
     )
 

@@ -21,31 +21,37 @@ typedef struct LANE(nordsieck) {
   LANE(real) q, v, q2, q3, q4, q5;
 } LANE(nordsieck);
 
+/* a + b and a + factor b, 0 if subnormal: the derivatives of free disks decay until they are. */
+LANE_INLINE LANE(real) LANE(plus)(LANE(real) a, LANE(real) b) { return LANE(normal)(a + b); }
+LANE_INLINE LANE(real) LANE(plus_part)(LANE(real) a, LANE(real) factor, LANE(real) b) {
+  return LANE(plus)(a, LANE(normal)(factor * b));
+}
+
 /* Predicts the coordinate and its derivatives by Taylor's formula. The binomial coefficients arise
  * from repeated additions. */
 LANE_INLINE void LANE(gear_predict)(LANE(nordsieck) * c, LANE(real) dt, LANE(real) per_dt) {
   LANE(real) q1 = c->v * dt, q5 = c->q5;
-  LANE(real) a4 = c->q4 + q5, a3 = c->q3 + a4, a2 = c->q2 + a3, a1 = q1 + a2;
-  LANE(real) b4 = a4 + q5, b3 = a3 + b4, b2 = a2 + b3, b1 = a1 + b2;
-  LANE(real) c4 = b4 + q5, c3 = b3 + c4, d4 = c4 + q5;
+  LANE(real) a4 = LANE(plus)(c->q4, q5), a3 = LANE(plus)(c->q3, a4), a2 = LANE(plus)(c->q2, a3);
+  LANE(real) b4 = LANE(plus)(a4, q5), b3 = LANE(plus)(a3, b4), b2 = LANE(plus)(a2, b3);
+  LANE(real) c4 = LANE(plus)(b4, q5), c3 = LANE(plus)(b3, c4), d4 = LANE(plus)(c4, q5);
+  LANE(real) a1 = q1 + a2, b1 = a1 + b2;
   c->q = c->q + a1; /* q is rounded once: small terms added to it one by one would be lost */
   c->v = b1 * per_dt;
-  c->q2 = b2 + c3;
-  c->q3 = c3 + d4;
-  c->q4 = d4 + q5;
+  c->q2 = LANE(plus)(b2, c3);
+  c->q3 = LANE(plus)(c3, d4);
+  c->q4 = LANE(plus)(d4, q5);
 }
 
-/* Corrects the coordinate and its derivatives, of which the higher ones decay in disks at rest
- * until they are subnormal. acceleration: dt^2/2 times the new acceleration. */
+/* Corrects the coordinate and its derivatives. acceleration: dt^2/2 times the new acceleration. */
 LANE_INLINE void LANE(gear_correct)(LANE(nordsieck) * c, LANE(real) acceleration,
                                     LANE(real) per_dt) {
-  LANE(real) error = acceleration - c->q2;
-  c->q = c->q + GEAR0 * error;
-  c->v = c->v + (GEAR1 * per_dt) * error;
-  c->q2 = c->q2 + error;
-  c->q3 = LANE(normal)(c->q3 + GEAR3 * error);
-  c->q4 = LANE(normal)(c->q4 + GEAR4 * error);
-  c->q5 = LANE(normal)(c->q5 + GEAR5 * error);
+  LANE(real) error = LANE(plus)(acceleration, -c->q2);
+  c->q = LANE(plus_part)(c->q, LANE(splat)(GEAR0), error);
+  c->v = LANE(plus_part)(c->v, GEAR1 * per_dt, error);
+  c->q2 = LANE(plus)(c->q2, error);
+  c->q3 = LANE(plus_part)(c->q3, LANE(splat)(GEAR3), error);
+  c->q4 = LANE(plus_part)(c->q4, LANE(splat)(GEAR4), error);
+  c->q5 = LANE(plus_part)(c->q5, LANE(splat)(GEAR5), error);
 }
 
 LANE_INLINE void LANE(verlet_predict)(LANE(nordsieck) * c, LANE(real) dt, LANE(real) per_dt) {
