@@ -42,6 +42,13 @@ SD_API sd_status sd_deck_load_text(const char *text, const char *path, size_t n_
                                    const char *const *overrides, sd_model **out,
                                    sd_messages *messages);
 
+/* Names the program slipdisk, which then reads HDF5 files without a checksum (those of other
+ * programs and of old versions) before this process does, since the HDF5 library crashes with some
+ * damaged ones: such a file is then an error, SD_ERROR_IO. It is started by posix_spawn and gets at
+ * most ten minutes, and a second per 8 MiB. NULL, the default: no process is started, and the
+ * library reads such files at once. Call it before other functions, from one thread. */
+SD_API void sd_set_program(const char *path);
+
 #ifdef __cplusplus
 }
 #endif

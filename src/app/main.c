@@ -14,6 +14,8 @@
 #include "base/limits.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "io/store/h5.h"
+#include "slipdisk/deck.h"
 #include "version.h"
 
 static int app_version(int argc, char **argv) {
@@ -158,6 +160,8 @@ static int run_command(int argc, char **argv) {
     print_commands(stderr);
     return SD_ERROR_USER;
   }
+  /* started by this program itself, or by a program that uses the library */
+  if (argc == 4 && strcmp(argv[1], H5_PROBE_COMMAND) == 0) h5_probe_serve(argv[2], argv[3]);
   const struct command *one = find_command(argv[1]);
   if (!one) return unknown_command(argv[1]);
   int status = 0;
@@ -221,6 +225,7 @@ static void return_memory(void) {
 int main(int argc, char **argv) {
   return_memory();
   sd_on_no_memory(end_without_memory);
+  sd_set_program("/proc/self/exe");
   json_set_alloc_funcs(json_memory, free);
   if (atexit(end_of_library) != 0) memory_lacks(0);
   int status = run_command(argc, argv);

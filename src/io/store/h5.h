@@ -51,7 +51,7 @@ sd_status h5_finish(h5_file *file, const file_draft *draft, sd_messages *message
 /* Opens a file for reading, with its files of single ranks (shares, see below). A checksum at its
  * end (seal) is checked: for files up to 64 MiB that of all bytes, else only that of the attributes
  * and small datasets. A file without a checksum is accepted if another process can read it
- * (h5_probe). */
+ * (sd_set_program). */
 sd_status h5_open(const char *path, h5_file **out, sd_messages *messages);
 /* Opens a file for reading like h5_open, but checks all bytes of a file with a checksum (seal),
  * whatever its size. */
@@ -241,6 +241,10 @@ sd_status h5_particles_box(const h5_file *file, bool *found, h5_box *box, sd_mes
 char *h5_only_particles(const char *path);
 /* Returns true if the library takes the file for an HDF5 file, also behind a user block. */
 bool h5_is_file(const char *path);
+/* Command of the program slipdisk that h5_probe starts, with a file as its standard input. It calls
+ * h5_probe_serve with its two words, which ends the process, or returns if there is no file. */
+#define H5_PROBE_COMMAND "read-hdf5"
+void h5_probe_serve(const char *how, const char *small);
 /* Kinds of files that a user may name. */
 typedef enum file_kind {
   FILE_OTHER,

@@ -270,8 +270,8 @@ static sd_status open_checked(int folder, const char *path, trust how, h5_file *
   int fd = file_open(folder, path, messages);
   if (fd < 0) return SD_ERROR_IO;
   sd_status status = h5_read_mark(fd, path, &mark, messages);
-  const bool whole =
-      mark.broken || how >= SEALED || (mark.sealed && (how == WHOLE || mark.size <= CHECKED_WHOLE));
+  const bool whole = mark.broken || how >= SEALED ||
+                     (mark.sealed && (how == WHOLE || mark.size <= CHECKED_WHOLE || !h5_probes()));
   /* the library crashes with some damaged files: it opens only files that match a checksum, or that
    * another process could read */
   if (status == SD_OK && whole && how != AGAIN)

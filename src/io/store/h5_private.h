@@ -228,10 +228,12 @@ typedef enum h5_probing {
   H5_PROBE_SMALL  /* attributes and small datasets, whose checksum must be `small` */
 } h5_probing;
 /* Reads an open file in another process, since the library crashes with some damaged files. Returns
- * SD_ERROR_IO if it crashed there or if the file is damaged. */
+ * SD_ERROR_IO if it crashed there, took too long, or if the file is damaged. */
 sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small, sd_messages *messages);
-/* Switches h5_probe off, for tests that make thousands of files with the library itself. */
-void h5_probe_nothing(void);
+/* Returns true if there is a program for that (sd_set_program); else h5_probe does nothing. */
+bool h5_probes(void);
+/* Sets the most seconds that the other process may take, beside those for a long file. */
+void h5_probe_patience(double seconds);
 /* Returns the reason why the values of a dataset are not read (other files, virtual dataset, too
  * large chunks); NULL: they can be read. */
 const char *h5_set_trouble(hid_t set);

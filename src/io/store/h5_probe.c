@@ -1,11 +1,17 @@
 /* h5_probe.c: reads files without a checksum in another process first.
  *
- * The HDF5 library crashes with some damaged files. A child process opens such a file and reads its
- * contents; only if it ends without a crash does this process open the file, too.
+ * The HDF5 library crashes with some damaged files. The program slipdisk, started by posix_spawn,
+ * opens such a file and reads its contents; only if it says how that ended does this process open
+ * the file, too. There is no fork: this process may have threads and ranks.
  */
 #include <errno.h>
 #include <fcntl.h>
+#include <inttypes.h>
 #include <malloc.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,15 +22,19 @@
 
 #include "base/limits.h"
 #include "base/memory.h"
+#include "base/team.h"
+#include "base/text.h"
 #include "io/store/h5_private.h"
+#include "slipdisk/deck.h"
 
-/* Exit statuses of the child process: all can be read; some values cannot be read; some names or
- * shapes cannot be read; the attributes and small datasets have another checksum. */
-enum { GOOD, UNREADABLE, BROKEN, OTHER_SUM };
+/* Verdicts of the child process: all can be read; some values cannot be read; some names or shapes
+ * cannot be read; the attributes and small datasets have another checksum. CRASHED, SLOW: the child
+ * ended without a verdict, or had to be killed. */
+enum { GOOD, UNREADABLE, BROKEN, OTHER_SUM, CRASHED, SLOW };
 
 /* PIECE: bytes of a dataset that are read at once. SECONDS: limit of the child's processor time.
- * MOST: bytes read in all, after which only one box (block of elements) of each dataset is read. */
-enum { PIECE = 8 << 20, SECONDS = 60 };
+ * PATIENCE: of its wall time, both without the time for a long file. MOST: bytes read in all, after which only one box (block of elements) of each dataset is read. */
+enum { PIECE = 8 << 20, SECONDS = 60, PATIENCE = 600 };
 static const uint64_t MOST = UINT64_C(256) << 20;
 
 /* Progress of the child process that reads the file. */
@@ -161,7 +171,7 @@ static herr_t take_link(hid_t group, const char *name, const H5L_info_t *info, v
 }
 
 /* Reads all attributes and the values of all datasets, or only a limited number of bytes unless
- * `whole` is true; returns one of the exit statuses above. */
+ * `whole` is true; returns one of the verdicts above. */
 static int read_all(int fd, const char *path, bool whole) {
   h5_file *file;
   reading r = {.whole = whole};
@@ -172,8 +182,8 @@ static int read_all(int fd, const char *path, bool whole) {
   return r.broken ? BROKEN : r.failed ? UNREADABLE : GOOD;
 }
 
-/* Compares the checksum of the attributes and small datasets with `small`; returns one of the exit
- * statuses above. */
+/* Compares the checksum of the attributes and small datasets with `small`; returns one of the
+ * verdicts above. */
 static int compare_small(int fd, const char *path, uint64_t small) {
   h5_file *file;
   uint64_t sum = 0;
@@ -183,16 +193,24 @@ static int compare_small(int fd, const char *path, uint64_t small) {
   return status != SD_OK ? UNREADABLE : sum == small ? GOOD : OTHER_SUM;
 }
 
+/* Tells the parent and ends the child. */
+static int told = -1; /* the child's end of the pipe */
+static void leave(int verdict) {
+  const char text = (char)('0' + verdict);
+  _exit(write(told, &text, 1) == 1 ? SD_OK : SD_ERROR_IO);
+}
+
 /* Ends the child if it lacks memory; the parent, which will lack it too, reports that. */
 static void leave_without_memory(size_t bytes) {
   (void)bytes;
-  _exit(UNREADABLE);
+  leave(UNREADABLE);
 }
 
 /* Makes the child silent, without core dump and with a limit of processor time. Allocated memory is
  * filled with bytes other than zero, so that a library that uses memory it has not written crashes
  * here, not later by chance. */
 static void be_quiet(uint64_t bytes) {
+  told = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
   sd_on_no_memory(leave_without_memory);
   mallopt(M_PERTURB, 0xa5);
   const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
@@ -205,17 +223,94 @@ static void be_quiet(uint64_t bytes) {
   setrlimit(RLIMIT_CPU, &(struct rlimit){most, most});
 }
 
+void h5_probe_serve(const char *how, const char *small) {
+  const char path[] = "the file"; /* no message leaves this process */
+  struct stat facts = {0};
+  if (fstat(STDIN_FILENO, &facts) != 0 || !S_ISREG(facts.st_mode)) return;
+  be_quiet((uint64_t)facts.st_size);
+  leave(atoi(how) == H5_PROBE_SMALL ? compare_small(STDIN_FILENO, path, strtoull(small, NULL, 16))
+                                    : read_all(STDIN_FILENO, path, atoi(how) == H5_PROBE_WHOLE));
+}
+
 /* --- Parent ----------------------------------------------------------------------------------- */
 
-/* Waits for the child and returns its exit status; negative: it crashed, or its status is lost. */
-static int status_of(pid_t child) {
-  int how = 0;
-  pid_t got;
-  do got = waitpid(child, &how, 0);
-  while (got < 0 && errno == EINTR);
-  /* ECHILD: this process ignores SIGCHLD, so that no exit status is kept */
-  if (got < 0) return errno == ECHILD ? GOOD : -1;
-  return WIFEXITED(how) ? WEXITSTATUS(how) : -1;
+/* Path of the program slipdisk; NULL: no process is started. patience: most seconds that a child
+ * may take, without the time for a long file. */
+static char *program;
+static double patience = PATIENCE;
+
+void sd_set_program(const char *path) {
+  free(program);
+  program = path ? memory_text(path) : NULL;
+}
+
+void h5_probe_patience(double seconds) { patience = seconds; }
+bool h5_probes(void) { return program; }
+
+/* Starts the program with the file as its standard input, and the end `out` of a pipe as its
+ * standard output. Returns its process id; negative, with errno: that failed. Signals that stop
+ * this process do not end the child, which would seem to have crashed. */
+static pid_t start(int file, int out, h5_probing how, uint64_t small) {
+  char way[8], sum[24];
+  snprintf(way, sizeof way, "%d", (int)how);
+  snprintf(sum, sizeof sum, "%" PRIx64, small);
+  char word[] = H5_PROBE_COMMAND, *words[] = {program, word, way, sum, NULL};
+  pid_t child = -1;
+  sigset_t all;
+  posix_spawn_file_actions_t files;
+  posix_spawnattr_t how_to;
+  sigfillset(&all);
+  posix_spawn_file_actions_init(&files);
+  posix_spawn_file_actions_adddup2(&files, file, STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&files, out, STDOUT_FILENO);
+  posix_spawnattr_init(&how_to);
+  posix_spawnattr_setsigmask(&how_to, &all);
+  posix_spawnattr_setflags(&how_to, POSIX_SPAWN_SETSIGMASK);
+  errno = posix_spawn(&child, program, &files, &how_to, words, environ);
+  posix_spawnattr_destroy(&how_to);
+  posix_spawn_file_actions_destroy(&files);
+  return errno == 0 ? child : -1;
+}
+
+/* Waits for the verdict of a child at the other end of a pipe, at most this long. */
+static int listen_to(int pipe, double seconds) {
+  const double end = clock_seconds() + seconds;
+  struct pollfd one = {.fd = pipe, .events = POLLIN};
+  int ready;
+  char text = 0;
+  do ready = poll(&one, 1, (int)fmin(1000 * fmax(end - clock_seconds(), 0) + 1, 1e9));
+  while ((ready < 0 && errno == EINTR) || (ready == 0 && clock_seconds() < end));
+  if (ready == 0) return SLOW;
+  ssize_t n;
+  do n = read(pipe, &text, 1);
+  while (n < 0 && errno == EINTR);
+  return n == 1 && text >= '0' && text <= '0' + OTHER_SUM ? text - '0' : CRASHED;
+}
+
+/* Lets the program read an open file and returns its verdict; negative, with errno: it could not be
+ * started. The verdict comes through a pipe, since a host may ignore SIGCHLD or wait for all its
+ * children itself. */
+static int ask(int fd, h5_probing how, uint64_t small, double seconds) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return -1;
+  /* above the numbers that the child gets */
+  const int file = fcntl(fd, F_DUPFD_CLOEXEC, STDERR_FILENO + 1),
+            out = fcntl(ends[1], F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  const pid_t child = file < 0 || out < 0 ? -1 : start(file, out, how, small);
+  int error = errno, how_ended = 0;
+  close(ends[1]);
+  if (file >= 0) close(file);
+  if (out >= 0) close(out);
+  int verdict = child < 0 ? -1 : listen_to(ends[0], seconds);
+  close(ends[0]);
+  if (verdict == SLOW) kill(child, SIGKILL);
+  while (child > 0 && waitpid(child, &how_ended, 0) < 0 && errno == EINTR) continue;
+  if (verdict == CRASHED && WIFEXITED(how_ended) && WEXITSTATUS(how_ended) != SD_OK) {
+    verdict = -1; /* another program, or another version */
+    error = ENOEXEC;
+  }
+  errno = error;
+  return verdict;
 }
 
 /* Returns true if two results of fstat are of the same file, unchanged. */
@@ -228,35 +323,20 @@ static sd_status fail(const char *path, const char *what, sd_messages *messages)
   return sd_fail(messages, SD_ERROR_IO, "%s is damaged%s", path, what);
 }
 
-/* True after h5_probe_nothing: files are not probed. */
-static bool trusts;
-
-void h5_probe_nothing(void) { trusts = true; }
-
 sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small,
                    sd_messages *messages) {
   static _Thread_local struct stat sound; /* facts of the last file that was found to be readable */
   struct stat facts;
-  if (trusts) return SD_OK;
+  if (!program) return SD_OK;
   if (fstat(fd, &facts) != 0) return sd_fail(messages, SD_ERROR_IO, "cannot read %s", path);
   if (how == H5_PROBE_QUICK && is_same(&facts, &sound)) return SD_OK;
-  fflush(NULL);
-  const pid_t child = fork();
-  if (child == 0) {
-    be_quiet((uint64_t)facts.st_size);
-    _exit(how == H5_PROBE_SMALL ? compare_small(fd, path, small)
-                                : read_all(fd, path, how == H5_PROBE_WHOLE));
-  }
-  if (child < 0) {
-    shortage_note();
-    return sd_fail(messages, SD_ERROR_IO, "no process to look at %s: %s", path, strerror(errno));
-  }
-  const int status = status_of(child);
-  if (how == H5_PROBE_QUICK && (status == GOOD || status == UNREADABLE)) {
+  const double seconds = patience + (double)facts.st_size / PIECE;
+  const int verdict = ask(fd, how, small, seconds);
+  if (how == H5_PROBE_QUICK && (verdict == GOOD || verdict == UNREADABLE)) {
     sound = facts; /* a value that cannot be read is reported when it is needed */
     return SD_OK;
   }
-  switch (status) {
+  switch (verdict) {
     case GOOD: return SD_OK;
     case BROKEN: return fail(path, ": its structure cannot be read", messages);
     case UNREADABLE:
@@ -268,6 +348,13 @@ sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small,
       return fail(path,
                   ", or was changed by another program: the sum of its small data does not fit",
                   messages);
-    default: return fail(path, ": the HDF5 library ends when it reads it", messages);
+    case CRASHED: return fail(path, ": the HDF5 library ends when it reads it", messages);
+    case SLOW:
+      return sd_fail(messages, SD_ERROR_IO, "%s could not be read within %.0f s", path, seconds);
+    default:
+      shortage_note();
+      return sd_fail(messages, SD_ERROR_IO,
+                     "%s has no checksum, and %s, which reads such files first, does not start: %s",
+                     path, program, strerror(errno));
   }
 }

@@ -1,6 +1,7 @@
 """The shared library: where it is, its functions and structs, its messages as exceptions and warnings."""
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import difflib
 import operator
@@ -288,6 +289,7 @@ FUNCTIONS = {
     "sd_measurement_free": (None, POINTER(Measured)),
     "sd_result_open": (c_int, c_char_p, OUT, c_void_p),
     "sd_result_close": (None, c_void_p),
+    "sd_set_program": (None, c_char_p),
     "sd_result_measure": (c_int, c_void_p, c_int64, POINTER(c_double), c_size_t, POINTER(POINTER(Measured)), c_void_p),
 }
 
@@ -301,6 +303,8 @@ def load():
         function.restype, function.argtypes = result, arguments
     count = c_size_t.in_dll(found, "sd_field_count").value
     found.fields = {field.name.decode(): field for field in (Field * count).in_dll(found, "sd_fields")}
+    with contextlib.suppress(FileError):  # without it the library reads files of others at once
+        found.sd_set_program(os.fsencode(program()))
     found.advance = found["sd_simulation_advance"]  # for arguments that are of ctypes already
     return found
 
