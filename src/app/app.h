@@ -177,6 +177,8 @@ uint32_t stored_body(const sd_model *m, const h5_file *file, const observable *o
 
 /* --- manual.c: manual pages and completion for bash, made from the option tables -------------- */
 
+/* Exit status of `sweep --no-wait` if other processes run the rest, beside those of sd_status */
+enum { APP_ELSEWHERE = 6 };
 /* Prints all exit statuses, one per line. */
 void manual_statuses(FILE *out);
 /* Prints the manual page slipdisk(1): commands, exit statuses, environment, files. */

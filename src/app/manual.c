@@ -19,6 +19,7 @@ static const manual_row statuses[] = {
     {"4", "input or output failed, or no memory"},
     {"5", "done, but the result is in doubt (energy budget, open contacts, disks too fast: see its "
           "warnings)"},
+    {"6", "`sweep --no-wait`: done but for points that other processes run"},
     {"75", "stopped by a signal after a checkpoint (INT, TERM, HUP, USR1, USR2, XCPU, ALRM): give "
            "the command "
            "again to continue"},

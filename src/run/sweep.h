@@ -163,7 +163,9 @@ void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messag
 void sweep_columns(const sweep *s, size_t point, const sd_model *model, bool *collected);
 /* Writes table.csv, table.h5 and means.csv from the contents of the folder (sweep_table.c). Only
  * one process at a time can do so. SD_ERROR_USER: another process is still writing them after
- * `patience` seconds; or there are points of another deck, and mix is false. */
-sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messages *messages);
+ * `patience` seconds; or there are points of another deck, and mix is false. count: the number of
+ * points of each status is added. */
+sd_status sweep_write_tables(const sweep *s, double patience, bool mix,
+                             size_t count[SWEEP_STATUSES], sd_messages *messages);
 
 #endif

@@ -231,7 +231,7 @@ static sd_status write_all(const sweep *s, const result_table *t, const result_t
   return status;
 }
 
-static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
+static sd_status make_tables(const sweep *s, bool mix, size_t *count, sd_messages *messages) {
   result_table t = {.n_rows = s->deck.n_points}, m = {.n_rows = s->deck.n_sets};
   sweep_tally others = {0};
   sweep_result *results;
@@ -240,6 +240,7 @@ static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
   for (size_t k = 0; k < s->deck.n_points; k++) {
     sweep_look(s, k, &results[k]);
     put_point(&t, s, k, k, &results[k]);
+    count[results[k].status]++;
     if (!mix) sweep_tally_add(&others, &results[k]);
   }
   sd_status status = sweep_refuse_other_decks(s, &others, "no table is written", messages);
@@ -263,7 +264,8 @@ static sd_status make_tables(const sweep *s, bool mix, sd_messages *messages) {
 
 /* Only one process writes at a time, so that the tables that remain are those of the process that
  * has read the folder last. */
-sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messages *messages) {
+sd_status sweep_write_tables(const sweep *s, double patience, bool mix,
+                             size_t count[SWEEP_STATUSES], sd_messages *messages) {
   const double pause = 0.05;
   folder lock = {.at = -1, .lock = -1};
   sd_status status = SD_ERROR_USER;
@@ -277,7 +279,7 @@ sd_status sweep_write_tables(const sweep *s, double patience, bool mix, sd_messa
   static const char *const tables[] = {"table.csv", "table.h5", "means.csv"};
   for (size_t k = 0; k < sizeof tables / sizeof *tables; k++)
     file_remove_drafts(s->folder, tables[k], NULL);
-  status = make_tables(s, mix, messages);
+  status = make_tables(s, mix, count, messages);
   folder_close(&lock);
   return status;
 }

@@ -50,7 +50,7 @@ class Pages(unittest.TestCase):
 
     def test_the_help_lists_the_statuses_of_the_page(self):
         numbers = re.findall(r"^  (\d+) ", told("help").split("Exit status:")[1], re.M)
-        self.assertEqual(numbers, ["0", "2", "3", "4", "5", "75"])
+        self.assertEqual(numbers, ["0", "2", "3", "4", "5", "6", "75"])
         page = told("help", "--man").split(".SH EXIT STATUS")[1].split(".SH")[0]
         self.assertEqual(re.findall(r"\.TP\n\\fB(\d+)", page), numbers)
 
@@ -100,7 +100,7 @@ class Completion(unittest.TestCase):
             for letter, name, _ in OPTION.findall(told("help", command)):
                 expected |= {f"--{name}"} | ({f"-{letter}"} if letter else set())
             self.assertEqual(self.complete(command, "-"), sorted(expected))
-        self.assertEqual(self.complete("sweep", "deck.cfg", "--no"), ["--no-lanes"])
+        self.assertEqual(self.complete("sweep", "deck.cfg", "--no"), ["--no-lanes", "--no-wait"])
 
     def test_operands(self):
         wanted = {"DECK": ["deck.cfg", "other deck.cfg"], "FILE": ["deck.h5"], "SWEEP": [], "COMMAND": None}

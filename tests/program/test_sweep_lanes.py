@@ -145,7 +145,7 @@ class Lanes(ReferenceTest):
     def test_one_is_run_by_another_process(self):
         """It is left out, the others of its group go on."""
         one = self.begin(1, self.path, "--point", 2, "-D", "phases.measure.steps=1e12")
-        said = self.sweep(self.path, "-j", 1)
+        said = self.sweep(self.path, "-j", 1, "--no-wait", status=6)
         self.assertIn("7 of 8 points done, 1 run by another process", said)
         self.stop(one, signal.SIGTERM, 75)
         self.assertIn("tilt=0.01pi.h5.parts", [p.name for p in (self.out / "points").iterdir()])

@@ -4,6 +4,7 @@ mpirun passes USR1 on, and the job ends with status 75. On TERM (and INT) it pas
 a second, and ends with a status of its own: no more is asked of it here than that nothing is lost.
 """
 import csv
+import fcntl
 import os
 import pathlib
 import random
@@ -158,6 +159,27 @@ class Sweep(unittest.TestCase):
         for _ in range(2):
             self.interrupt(kill_all)
         self.finish(2)
+        self.assert_complete()
+
+    def test_points_of_other_processes_are_waited_for(self):
+        """Also of those that rank 1 would have run; a signal to one rank ends the waiting of all."""
+        self.prepare(0.02)
+        parts = self.folder / "points" / f"{self.results(self.reference)[1]}.parts"
+        parts.mkdir(parents=True)
+        with open(parts / "lock", "w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            self.finish(2, 6, "--no-wait")
+            self.assertIn("left to other processes: 1 point", self.said())
+            for number, status in (signal.SIGUSR1, 75), (None, 0):
+                with open(self.log.name, "w"):
+                    pass
+                process = self.start(2)
+                wait_for(lambda: "waiting for 1 point that other processes run" in self.said())
+                if number:
+                    os.kill(children(process.pid)[1], number)
+                else:
+                    lock.close()
+                self.assertEqual(process.wait(timeout=LONG), status, self.said())
         self.assert_complete()
 
     def test_a_point_fails(self):

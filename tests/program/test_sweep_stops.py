@@ -1,4 +1,5 @@
 """`slipdisk sweep` when things go wrong: signals, kills, failing points, full disks, and several sweeps at once."""
+import fcntl
 import os
 import resource
 import shutil
@@ -138,8 +139,8 @@ class Interrupted(ReferenceTest):
     def test_running_elsewhere(self):
         one = self.started(1, "-j", 1)
         self.assertIn("1 running", self.sweep(self.path, "--status"))
-        said = self.sweep(self.path, "--point", 0, status=2)
-        self.assertIn("another process is writing this result", said)
+        said = self.sweep(self.path, "--point", 0, "--no-wait", status=6)
+        self.assertIn("point 0, tilt=0, is left to another process, which runs it", said)
         said = self.sweep(self.path, "--table")
         self.assertEqual(column(self.out, "status")[0], "running")
         self.stop(one, signal.SIGTERM, 75)
@@ -190,6 +191,91 @@ class Interrupted(ReferenceTest):
     def test_no_permission(self):
         said = self.sweep(self.path, "-j", 2, status=4, out="/proc/nothing")
         self.assertIn("/proc/nothing", said)
+
+
+class Held(SweepTest):
+    """Points that another process runs, here a lock of this one: status 0 means that all points asked for are done."""
+
+    WAYS = ("-j", 2), (), ("--point", "0-3"), ("--point", 1)
+
+    def setUp(self):
+        super().setUp()
+        self.path = self.deck(three_disks(FOUR, 1000))
+
+    def hold(self):
+        """Takes the lock of point 1."""
+        parts = self.out / "points/tilt=0.01pi.h5.parts"
+        parts.mkdir(parents=True)
+        lock = open(parts / "lock", "w")
+        self.addCleanup(lock.close)
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        return lock
+
+    def waiting(self, *words):
+        """A sweep that has come so far that it waits; returns it and what it has said."""
+        process, said = start("sweep", self.path, *words, "-o", self.out), ""
+        while "waiting for" not in said:
+            line = process.stderr.readline()
+            self.assertTrue(line, said)
+            said += line
+        return process, said
+
+    def test_it_waits_and_takes_them_over(self):
+        for words in self.WAYS:
+            lock = self.hold()
+            process, said = self.waiting(*words)
+            self.assertIsNone(process.poll())
+            self.assertRegex(said, "waiting for (1 point that other processes run: #1|point 1, tilt=0.01pi, which another)")
+            lock.close()
+            _, err = process.communicate(timeout=LONG)
+            self.assertEqual(process.returncode, 0, said + err)
+            self.assertEqual(len(results(self.out)), 1 if 1 in words else 4, words)
+            if "--point" not in words:
+                self.assertEqual(column(self.out, "status"), ["done"] * 4)
+            shutil.rmtree(self.out)
+
+    def test_what_they_finish_is_not_run_again(self):
+        self.sweep(self.path, "-j", 2)
+        for words in self.WAYS:
+            lock = self.hold()
+            process, said = self.waiting(*words)
+            shutil.rmtree(self.out / "points/tilt=0.01pi.h5.parts")  # as a run at its end does
+            lock.close()
+            _, err = process.communicate(timeout=LONG)
+            self.assertEqual(process.returncode, 0, said + err)
+            self.assertEqual(list(sessions(self.out).values()), [1] * 4)
+
+    def test_without_waiting_it_tells_what_is_left(self):
+        for words in self.WAYS:
+            lock = self.hold()
+            said = self.sweep(self.path, *words, "--no-wait", status=6)
+            self.assertRegex(said, "left to other processes: 1 point; the same command|point 1, tilt=0.01pi, is left to another process")
+            if "--point" not in words:
+                self.assertEqual(column(self.out, "status"), ["done", "running", "done", "done"])
+                self.assertIn("4 points: 1 running, 3 done", self.sweep(self.path, "--table"))
+            lock.close()
+            shutil.rmtree(self.out)
+
+    def test_waiting_can_be_stopped(self):
+        for words in self.WAYS:
+            lock = self.hold()
+            process, _ = self.waiting(*words)
+            process.send_signal(signal.SIGINT)
+            self.assertIn("stopped", process.communicate(timeout=LONG)[1])
+            self.assertEqual(process.returncode, 75)
+            lock.close()
+            shutil.rmtree(self.out)
+
+    def test_results_of_another_deck_made_meanwhile_are_told(self):
+        self.sweep(self.path, "--point", 1, "-D", "phases.measure.steps=2000", out=self.folder / "other")
+        lock = self.hold()
+        process, said = self.waiting("-j", 1)
+        shutil.copy(results(self.folder / "other")["tilt=0.01pi"], self.out / "points")
+        shutil.rmtree(self.out / "points/tilt=0.01pi.h5.parts")
+        lock.close()
+        _, err = process.communicate(timeout=LONG)
+        self.assertEqual(process.returncode, 2, said + err)
+        self.assertIn("3 of 4 points done, 1 with a result that is not this deck's", err)
 
 
 class Failing(SweepTest):

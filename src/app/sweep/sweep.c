@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "app/app.h"
 #include "app/sweep/sweep.h"
@@ -34,6 +35,8 @@ static const option_row rows[] = {
     {"no-lanes", 0, OPTION_FLAG, offsetof(sweep_command, no_lanes), NULL, NULL,
      "run alike points of few disks one by one and not side by side in vectors, to the same "
      "results"},
+    {"no-wait", 0, OPTION_FLAG, offsetof(sweep_command, no_wait), NULL, NULL,
+     "leave points that other processes run to them, and end with status 6"},
     {"point", 0, OPTION_TEXT, offsetof(sweep_command, range), NULL, "K[-L]",
      "run these points only"},
     {"status", 0, OPTION_FLAG, offsetof(sweep_command, status), NULL, NULL, "tell how far it is"},
@@ -191,6 +194,22 @@ static sd_status look_first(const sweep *s, size_t point, bool quiet, bool *done
   return status;
 }
 
+/* Waits while another process runs a point. Returns false if it does and the option --no-wait is
+ * given. */
+static bool wait_for_point(const sweep *s, const sweep_command *c, size_t point) {
+  const char *name = s->deck.points[point].name;
+  for (bool told = c->quiet; sweep_peek(s, point) == SWEEP_RUNNING; told = true) {
+    if (c->no_wait) {
+      app_line(stderr, "point %zu, %s, is left to another process, which runs it", point, name);
+      return false;
+    }
+    if (!told)
+      app_line(stderr, "waiting for point %zu, %s, which another process runs", point, name);
+    nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
+  }
+  return true;
+}
+
 static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages) {
   size_t point = (size_t)c->point;
   note n = {s, point};
@@ -198,6 +217,7 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
   char *result = NULL, *again = NULL;
   sd_model *model = NULL;
   sd_status status = sweep_prepare(s, messages);
+  if (status == SD_OK && !wait_for_point(s, c, point)) return APP_ELSEWHERE;
   if (status == SD_OK) status = sweep_guard(s, c, point, point + 1, messages);
   if (status == SD_OK && !c->force) status = look_first(s, point, c->quiet, &done, messages);
   if (status == SD_OK && !done) {
@@ -229,15 +249,17 @@ static int run_one(const sweep *s, const sweep_command *c, sd_messages *messages
 
 static sd_status write_table(const sweep *s, bool mix, sd_messages *messages) {
   sweep_contents there;
+  size_t count[SWEEP_STATUSES] = {0};
   if (!file_is_folder(s->folder))
     return sd_fail(messages, SD_ERROR_USER, "there is no folder %s: no point has been run yet",
                    s->folder);
   sweep_list(s, &there);
   sd_status status =
       mix ? SD_OK : sweep_refuse_unknown_points(s, &there, "no table is written", messages);
-  if (status == SD_OK) status = sweep_write_tables(s, TABLE_PATIENCE, mix, messages);
+  if (status == SD_OK) status = sweep_write_tables(s, TABLE_PATIENCE, mix, count, messages);
   if (status == SD_OK) {
     app_line(stdout, "%s/table.csv, table.h5, means.csv", s->folder);
+    print_counts(s, count);
     sweep_show_strangers(stdout, s);
   }
   sweep_contents_free(&there);

@@ -21,8 +21,9 @@ typedef struct sweep_command {
   long point, last;  /* First and last point of the option --point; point = -1: all points */
   long threads;
   bool force, quiet, status, list, table, count, no_lanes, json;
-  bool mix;  /* True: the folder may also hold results of other decks or other sweeps */
-  bool skip; /* True: points without mistakes are run even if others have mistakes */
+  bool mix;     /* True: the folder may also hold results of other decks or other sweeps */
+  bool skip;    /* True: points without mistakes are run even if others have mistakes */
+  bool no_wait; /* True: points that other processes run are left to them */
 } sweep_command;
 
 /* True if the option --point selects some of the points. */
@@ -152,6 +153,8 @@ void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *t
 /* Redraws the progress line at the bottom of the terminal. */
 void sweep_draw(scheduler *w);
 void sweep_show_start(const scheduler *w);
+/* Prints the points for which this process waits: held[n], which other processes run. */
+void sweep_show_held(scheduler *w, size_t n, const size_t *held);
 void sweep_show_end(scheduler *w);
 
 /* --- sweep_workers.c: groups ------------------------------------------------------------------ */

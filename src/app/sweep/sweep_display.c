@@ -134,6 +134,15 @@ void sweep_show_start(const scheduler *w) {
   fputc('\n', stderr);
 }
 
+void sweep_show_held(scheduler *w, size_t n, const size_t *held) {
+  enum { MOST = 8 };
+  if (w->c->quiet) return;
+  sweep_clear_line(w);
+  fprintf(stderr, "waiting for %zu point%s that other processes run:", n, n == 1 ? "" : "s");
+  for (size_t k = 0; k < n && k < MOST; k++) fprintf(stderr, " #%zu", held[k]);
+  fprintf(stderr, "%s\n", n > MOST ? " ..." : "");
+}
+
 void sweep_show_end(scheduler *w) {
   sweep_clear_line(w);
   if (w->c->quiet) {
@@ -154,8 +163,12 @@ void sweep_show_end(scheduler *w) {
     fprintf(stderr, "; table: %s/table.csv\n", w->s->folder);
   sweep_show_doubts(stderr, w->doubted);
   sweep_show_strangers(stderr, w->s);
-  if (w->left && w->worst != SD_ERROR_IO)
+  if (w->worst == SD_ERROR_IO) return;
+  if (w->left || (w->elsewhere && app_stop))
     fprintf(stderr, "stopped, everything is saved: give the command again to continue\n");
+  else if (w->elsewhere)
+    fprintf(stderr, "left to other processes: %zu point%s; the same command runs what they leave\n",
+            w->elsewhere, w->elsewhere == 1 ? "" : "s");
 }
 
 /* --- progress of a sweep as JSON -------------------------------------------------------------- */

@@ -10,9 +10,11 @@
  * so a signal before the fork stops it, too, and a later one is passed on. A worker whose parent
  * has died gets SIGTERM from the kernel. */
 #include <math.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "app/app.h"
@@ -120,17 +122,64 @@ static size_t agree_on_todo(scheduler *w, size_t *todo) {
   return todo[places - 1];
 }
 
+/* --- points of other processes ---------------------------------------------------------------- */
+
+/* Work that is left after a round. run: number of points to be run here; held: number of points
+ * that other processes are running. */
+typedef struct rest {
+  size_t run, held;
+} rest;
+
 /* Fills todo[] with points that another process was running but left unfinished, and with points of
- * groups that crashed. Returns how many they are. */
-static size_t find_abandoned(scheduler *w, size_t *todo) {
-  size_t n = 0;
+ * groups that crashed, and held[] with those that other processes are still running. */
+static rest find_rest(scheduler *w, size_t *todo, size_t *held) {
+  rest left = {0};
   for (size_t k = w->first; k < w->end; k++) {
     sweep_status status = w->tried[k] == SKIPPED ? sweep_peek(w->s, k) : SWEEP_DONE;
+    if (status == SWEEP_RUNNING) held[left.held++] = k;
     if (status != SWEEP_WAITING && status != SWEEP_STOPPED && w->tried[k] != CRASHED) continue;
+    if (w->tried[k] == SKIPPED) w->tried[k] = UNTRIED;
     w->steps_total += (double)w->steps[k];
-    todo[n++] = k;
+    todo[left.run++] = k;
   }
-  return n;
+  return left;
+}
+
+/* Tells rank 0 which points any rank has left to other processes; the others forget them. */
+static void agree_on_skipped(scheduler *w) {
+  const size_t n = comm_world() ? w->s->deck.n_points : 0;
+  int64_t *skipped = memory_new(n, sizeof *skipped);
+  for (size_t k = 0; k < n; k++) skipped[k] = w->tried[k] == SKIPPED;
+  comm_add(comm_world(), skipped, n);
+  for (size_t k = 0; k < n; k++)
+    if (skipped[k] > 0) w->tried[k] = comm_rank(comm_world()) == 0 ? SKIPPED : UNTRIED;
+  free(skipped);
+}
+
+/* Collective. Waits for points that other processes are running, until one of them is left
+ * unfinished, and then takes it up; not with the option --no-wait. Fills todo[] with the points of
+ * the next round and returns how many they are; 0: there is no other round. */
+static size_t wait_for_others(scheduler *w, size_t *todo) {
+  enum { STOPPED = 1, BROKEN = 2 };
+  const long longest = 500000000;
+  size_t *held = memory_new(w->s->deck.n_points, sizeof *held), told = 0;
+  rest left = {0};
+  agree_on_skipped(w);
+  for (long pause = 10000000;; pause = pause < longest / 2 ? 2 * pause : longest) {
+    if (comm_rank(comm_world()) == 0) left = find_rest(w, todo, held);
+    comm_broadcast(comm_world(), &left, sizeof left);
+    const unsigned why =
+        comm_or(comm_world(), (app_stop ? STOPPED : 0) | (w->worst == SD_ERROR_IO ? BROKEN : 0));
+    if (why & STOPPED) app_stop = SIGTERM; /* on all ranks */
+    if (why) left = (rest){0};
+    if (left.run > 0 || left.held == 0 || w->c->no_wait) break;
+    if (left.held != told && comm_rank(comm_world()) == 0) sweep_show_held(w, left.held, held);
+    told = left.held;
+    nanosleep(&(struct timespec){.tv_nsec = pause}, NULL);
+  }
+  comm_broadcast(comm_world(), todo, left.run * sizeof *todo);
+  free(held);
+  return left.run;
 }
 
 /* Returns the final status of a point from its files; a result that this process has read already
@@ -172,6 +221,7 @@ static void count_all(scheduler *w) {
   w->elsewhere = count[SWEEP_RUNNING];
   w->left = count[SWEEP_WAITING] + count[SWEEP_STOPPED];
   if (w->failed > 0) sweep_worsen(w, SD_ERROR_NUMERIC);
+  if (w->other + w->damaged > 0) sweep_worsen(w, SD_ERROR_USER);
 }
 
 static size_t count_workers(const scheduler *w) {
@@ -195,15 +245,18 @@ static int run_all(scheduler *w, size_t *todo) {
   if (n == REFUSED) return SD_ERROR_USER;
   do {
     run_round(w, todo, n);
-    n = comm_world() || app_stop || w->worst == SD_ERROR_IO ? 0 : find_abandoned(w, todo);
+    n = wait_for_others(w, todo);
   } while (n > 0);
   /* Only rank 0 counts the points: on a shared file system the other ranks may see new files
    * late. */
   if (comm_rank(comm_world()) != 0) return w->worst;
-  sweep_make_tables(w, true);
+  /* The tables are made last, so that they have all points that are counted as done. */
   count_all(w);
+  sweep_make_tables(w, true);
   sweep_show_end(w);
-  return w->left > 0 && w->worst != SD_ERROR_IO ? SD_INTERRUPTED : w->worst;
+  if (w->worst == SD_ERROR_IO) return w->worst;
+  if (w->left > 0 || (w->elsewhere > 0 && app_stop)) return SD_INTERRUPTED;
+  return w->elsewhere > 0 && w->worst == SD_OK ? APP_ELSEWHERE : w->worst;
 }
 
 /* Checks all points before the sweep begins. Mistakes in some points stop the sweep, unless --skip

@@ -302,6 +302,7 @@ void sweep_worsen(scheduler *w, int status) {
  * them. */
 void sweep_make_tables(scheduler *w, bool last) {
   double start = clock_seconds();
+  size_t count[SWEEP_STATUSES] = {0};
   /* Other processes run the other points if --point is given; the user then writes the tables with
    * --table. */
   if (sweep_is_part(w->c)) return;
@@ -311,7 +312,7 @@ void sweep_make_tables(scheduler *w, bool last) {
                                         !last      ? 0
                                         : app_stop ? PATIENCE_STOPPED
                                                    : PATIENCE,
-                                        true, messages);
+                                        true, count, messages);
   if (last || status == SD_ERROR_IO) {
     sweep_clear_line(w);
     sd_messages_print(messages, stderr);
