@@ -87,7 +87,9 @@ static sd_status read_facts(facts *f, const place *p, bool named_parts, wanted_m
   if (status == SD_OK) provenance_read(&f->origin, file);
   if (status == SD_OK) status = h5_visit(file, add_dataset, f->datasets, messages);
   if (status == SD_OK) {
-    f->parts = f->finished ? -1 : checkpoint_get_parts(file);
+    f->parts = checkpoint_get_parts(file);
+    f->finished = f->finished && f->parts < 0;
+    if (file_is_folder(p->folder) && !f->finished) stored_tell_missing(p, f->parts, messages);
     f->bytes = file_size(f->path);
     f->clumps = h5_get_attr_i64(file, "/state", "n_clumps", 0);
     /* The path is only displayed after this: replace its control characters */

@@ -110,6 +110,7 @@ static sd_status find_origin(const char *name, place *p, provenance *origin, boo
   char *checkpoint = NULL;
   sd_status status = place_find(p, name, messages);
   *found = status == SD_OK && file_is_folder(p->folder);
+  if (status == SD_OK && !*found) return place_check_finished(p, messages);
   if (!*found) return status;
   status = place_open_checkpoint(p, &file, &checkpoint, messages);
   if (status == SD_OK) status = checkpoint_check_format(file, checkpoint, messages);

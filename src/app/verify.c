@@ -93,6 +93,52 @@ static void verify_chain(verifier *v, const char *inside, const char *checkpoint
   sd_messages_free(why);
 }
 
+/* Checks a file of a sweep against a line of the list in its table.h5: it must be there and, if the
+ * line gives a checksum, have it. */
+static void verify_listed(verifier *v, const char *inside, char *line) {
+  char *sum = strrchr(line, ' ');
+  const bool sums = sum; /* names of points have no blank */
+  if (sums) *sum++ = 0;
+  char *path = format_text("%s/%s", inside, line);
+  sd_messages *why = sd_messages_new();
+  unsigned char *bytes = NULL;
+  size_t size = 0;
+  sd_status status = SD_OK;
+  if (!file_exists(path))
+    status = sd_fail(why, SD_ERROR_IO, "%s is missing: %s/table.h5 names it", path, inside);
+  else if (sums)
+    status = file_read(path, SIZE_MAX, &bytes, &size, why);
+  if (status == SD_OK && sums && file_sum(FILE_SUM, bytes, size) != strtoull(sum, NULL, 16))
+    status = sd_fail(why, SD_ERROR_IO,
+                     "%s is not the table that %s/table.h5 belongs to; slipdisk sweep DECK --table "
+                     "makes both anew",
+                     path, inside);
+  v->files += sums;
+  if (status != SD_OK)
+    tell_damaged(v, path, why);
+  else if (sums && !v->quiet)
+    printf("%s: sound, %.3g MB\n", path, (double)size / 1e6);
+  free(bytes);
+  free(path);
+  sd_messages_free(why);
+}
+
+/* Checks the tables of a sweep, and that all its finished points are there; not while a process
+ * writes them. Older versions made tables without a list. */
+static void verify_tables(verifier *v, const char *inside) {
+  char *path = format_text("%s/table.h5", inside), *list = NULL;
+  h5_file *file = NULL;
+  const bool good = !folder_is_locked(inside) && file_exists(path) && verify_file(v, path);
+  if (good && h5_open(path, &file, NULL) == SD_OK) list = h5_get_text(file, "/parameters/files");
+  h5_close(file, NULL);
+  for (char *line = list, *end; line && (end = strchr(line, '\n')); line = end + 1) {
+    *end = 0;
+    verify_listed(v, inside, line);
+  }
+  free(list);
+  free(path);
+}
+
 /* Verifies all files with a checksum in a folder: that of the part files of a run, or that of the
  * points of a sweep with the folders of part files inside it. */
 static sd_status verify_folder(verifier *v, const char *inside, sd_messages *messages) {
@@ -100,8 +146,11 @@ static sd_status verify_folder(verifier *v, const char *inside, sd_messages *mes
   if (!directory)
     return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", inside, strerror(errno));
   sd_status status = SD_OK;
+  size_t parts = 0, checkpoints = 0;
   errno = 0;
   for (struct dirent *entry; status == SD_OK && (entry = readdir(directory)); errno = 0) {
+    parts += strncmp(entry->d_name, "part-", 5) == 0;
+    checkpoints += strncmp(entry->d_name, "checkpoint-", 11) == 0;
     char *path = format_text("%s/%s", inside, entry->d_name);
     if (text_ends(path, ".h5.parts")) {
       status = verify_folder(v, path, messages);
@@ -114,18 +163,38 @@ static sd_status verify_folder(verifier *v, const char *inside, sd_messages *mes
   if (status == SD_OK && errno != 0)
     status = sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", inside, strerror(errno));
   closedir(directory);
+  if (status == SD_OK && parts > 0 && checkpoints == 0) {
+    v->damaged++;
+    fprintf(stderr, "error: %s has parts but no checkpoint\n", inside);
+  }
   return status;
+}
+
+/* Verifies a folder that the user has named; it is an error if nothing of slipdisk is in it. */
+static sd_status verify_named(verifier *v, const char *inside, sd_messages *messages) {
+  const size_t before = v->files + v->damaged;
+  char *points = format_text("%s/points", inside), *means = format_text("%s/means.csv", inside);
+  const bool has_points = file_is_folder(points), has_means = file_exists(means);
+  sd_status status = SD_OK;
+  if (has_points) status = verify_folder(v, points, messages);
+  if (has_points || has_means)
+    verify_tables(v, inside);
+  else
+    status = verify_folder(v, inside, messages);
+  free(points);
+  free(means);
+  if (status != SD_OK || v->files + v->damaged > before) return status;
+  return sd_fail(messages, SD_ERROR_USER,
+                 "there is nothing to verify in %s: no result, no checkpoint, no table", inside);
 }
 
 /* Verifies a file, a folder of part files (RESULT.parts), an unfinished run given by the name of
  * its result, or the folder of a sweep. */
 static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
-  char *points = format_text("%s/points", name), *parts = format_text("%s.parts", name);
+  char *parts = format_text("%s.parts", name);
   sd_status status = SD_OK;
-  if (file_is_folder(points))
-    status = verify_folder(v, points, messages);
-  else if (file_is_folder(name))
-    status = verify_folder(v, name, messages);
+  if (file_is_folder(name))
+    status = verify_named(v, name, messages);
   else if (file_exists(name))
     verify_file(v, name);
   else if (!file_is_folder(parts)) {
@@ -135,8 +204,7 @@ static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
     free(hint);
   }
   if (status == SD_OK && !file_is_folder(name) && file_is_folder(parts))
-    status = verify_folder(v, parts, messages);
-  free(points);
+    status = verify_named(v, parts, messages);
   free(parts);
   return status;
 }

@@ -406,12 +406,13 @@ sd_status session_step(session *s, sd_status status, size_t most_bytes, sd_messa
   return status;
 }
 
-/* Returns the run_id stored in a result file, which the caller frees; NULL: there is no such file,
- * or it is not readable. */
+/* Returns the run_id stored in a file, which the caller frees; NULL: it is no finished result, or
+ * cannot be read. */
 static char *finished_id(const char *result) {
   h5_file *file;
-  if (!file_exists(result) || h5_open(result, &file, NULL) != SD_OK) return NULL;
-  char *id = h5_get_attr_text(file, "/parameters", "run_id");
+  if (h5_open(result, &file, NULL) != SD_OK) return NULL;
+  char *id =
+      checkpoint_get_parts(file) < 0 ? h5_get_attr_text(file, "/parameters", "run_id") : NULL;
   h5_close(file, NULL);
   return id;
 }
@@ -419,12 +420,19 @@ static char *finished_id(const char *result) {
 sd_status session_identity(const session *s, char **id, sd_messages *messages) {
   struct stat facts;
   *id = NULL;
-  if (lstat(s->result, &facts) == 0)
-    *id = finished_id(s->result);
-  else if (errno != ENOENT)
-    return sd_fail(messages, SD_ERROR_IO, "cannot look at %s: %s", s->result, strerror(errno));
-  else
+  if (lstat(s->result, &facts) != 0) {
+    if (errno != ENOENT)
+      return sd_fail(messages, SD_ERROR_IO, "cannot look at %s: %s", s->result, strerror(errno));
     *id = memory_text("");
+    return SD_OK;
+  }
+  if (S_ISREG(facts.st_mode)) *id = finished_id(s->result);
+  if (S_ISREG(facts.st_mode) && !*id) {
+    /* A sound result may stand there, which only the disk keeps from being read. */
+    if (file_read_through(s->result, messages) != SD_OK) return SD_ERROR_IO;
+    if (shortage_seen()) return sd_fail(messages, SD_ERROR_IO, "no memory to read %s", s->result);
+    *id = finished_id(s->result);
+  }
   if (!*id)
     *id = format_text("%lld bytes of %lld.%09ld", (long long)facts.st_size,
                       (long long)facts.st_mtim.tv_sec, facts.st_mtim.tv_nsec);

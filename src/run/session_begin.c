@@ -143,6 +143,22 @@ static sd_status try_checkpoint(session *s, int64_t step, const char *finished, 
   return status;
 }
 
+/* Like try_checkpoint. If that fails although everything in the folder can be read, tries once
+ * more. unread: set to true if something cannot be read, so that nothing is known to be damaged. */
+static sd_status try_twice(session *s, int64_t step, const char *finished, sd_state **state,
+                           bool *unread, sd_messages *messages) {
+  sd_messages *first = sd_messages_new();
+  sd_status status = try_checkpoint(s, step, finished, state, first);
+  if (status == SD_ERROR_IO && !shortage_seen()) {
+    *unread = folder_read_through(s->parts_folder.path, messages) != SD_OK;
+    if (!*unread) status = try_checkpoint(s, step, finished, state, messages);
+  } else {
+    messages_append(messages, status, first);
+  }
+  sd_messages_free(first);
+  return status;
+}
+
 /* Renames the n newest checkpoints, which cannot be used, and warns of that. why: the errors found
  * in them. */
 static void step_back(session *s, const int64_t *steps, size_t n, const sd_messages *why,
@@ -163,15 +179,19 @@ static sd_status find_checkpoint(session *s, const char *finished, sd_state **st
   size_t n, k = 0;
   sd_status status = folder_checkpoints(s->parts_folder.path, &steps, &n, messages);
   sd_messages *why = sd_messages_new();
+  bool unread = false;
   if (status == SD_OK && n > 0) {
-    while (k < n && (status = try_checkpoint(s, steps[k], finished, state, why)) == SD_ERROR_IO &&
-           !shortage_seen())
+    while (k < n &&
+           (status = try_twice(s, steps[k], finished, state, &unread, why)) == SD_ERROR_IO &&
+           !unread && !shortage_seen())
       k++;
     if (status == SD_OK && k > 0 && !s->was_finished) {
       step_back(s, steps, k, why, messages);
     } else if (status != SD_OK) {
       messages_append(messages, status, why);
-      if (status == SD_ERROR_IO && shortage_seen())
+      if (status == SD_ERROR_IO && unread)
+        sd_fail(messages, status, "%s cannot go on now; what is saved is left as it is", s->result);
+      else if (status == SD_ERROR_IO && shortage_seen())
         sd_fail(messages, status, "no memory to go on with %s; what is saved is left as it is",
                 s->result);
       else if (status == SD_ERROR_IO)

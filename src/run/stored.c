@@ -54,6 +54,19 @@ void place_free(place *p) {
   *p = (place){0};
 }
 
+sd_status place_check_finished(const place *p, sd_messages *messages) {
+  h5_file *file = NULL;
+  sd_status status = h5_open(p->result, &file, messages);
+  if (status == SD_OK) status = checkpoint_check_origin(file, p->result, messages);
+  if (status == SD_OK && checkpoint_get_parts(file) >= 0)
+    status = sd_fail(messages, SD_ERROR_USER,
+                     "%s is a checkpoint away from its folder RESULT.parts: a run goes on only "
+                     "with the parts that are there",
+                     p->result);
+  h5_close(file, NULL);
+  return status;
+}
+
 sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages) {
   *out = NULL;
   *path = NULL;
@@ -85,6 +98,15 @@ sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_m
     if (status != SD_OK || *path) return status;
   }
   return sd_fail(messages, SD_ERROR_IO, "%s has no checkpoint that can be read", p->folder);
+}
+
+void stored_tell_missing(const place *p, int64_t parts, sd_messages *messages) {
+  for (int64_t k = 1; k <= parts; k++) {
+    char *path = folder_part(p->folder, k);
+    if (!file_exists(path))
+      sd_warn(messages, "%s is missing: the run cannot go on from this checkpoint", path);
+    free(path);
+  }
 }
 
 /* Opens the frames of the checkpoint `base` and of the part files 1 ... `parts` of the run. Part

@@ -18,9 +18,14 @@ typedef struct place {
  * place_free also after an error. */
 sd_status place_find(place *p, const char *name, sd_messages *messages);
 void place_free(place *p);
+/* Checks that the file at the path of the result is a finished result that can be read. */
+sd_status place_check_finished(const place *p, sd_messages *messages);
 /* Opens p->checkpoint if the user named one, else the newest undamaged checkpoint of the run.
  * *path: receives its path, which the caller frees. Needs no lock on the folder. */
 sd_status place_open_checkpoint(const place *p, h5_file **out, char **path, sd_messages *messages);
+
+/* Warns of each part file that is missing among the first `parts` of an unfinished run. */
+void stored_tell_missing(const place *p, int64_t parts, sd_messages *messages);
 
 /* --- frames of a result or of an unfinished run ---------------------------------------------- */
 /* Opens the frames of a run. name: as for place_find, or a single part file (some of the

@@ -183,6 +183,7 @@ static sd_status leave_finished(const sweep *s, size_t point, sweep_status *stat
                      s->folder, s->deck.points[point].name,
                      r.status == SWEEP_OTHER ? "is the result of another deck" : "cannot be read",
                      r.message);
+  if (r.status == SWEEP_UNREADABLE) looked = sd_fail(messages, SD_ERROR_IO, "%s", r.message);
   sweep_result_free(&r);
   return looked;
 }
@@ -397,8 +398,8 @@ sd_status sweep_refuse_other_decks(const sweep *s, const sweep_tally *t, const c
 
 /* --- Status of a point, from the files in the folder ------------------------------------------ */
 
-const char *const sweep_status_names[SWEEP_STATUSES] = {"waiting", "running", "stopped",   "done",
-                                                        "failed",  "damaged", "other deck"};
+const char *const sweep_status_names[SWEEP_STATUSES] = {
+    "waiting", "running", "stopped", "done", "failed", "damaged", "unreadable", "other deck"};
 
 char *sweep_point_path(const sweep *s, size_t point, const char *ending) {
   return format_text("%s/points/%s%s", s->folder, s->deck.points[point].name, ending);
@@ -554,9 +555,28 @@ static char *read_failure(const sweep *s, size_t point) {
   return text_clean(text);
 }
 
+/* Reads the result of a finished point. If that fails, but not because of what is in the file, the
+ * point is not damaged; if all of the file can be read then, tries once more. */
+static void look_twice(const sweep *s, size_t point, sweep_result *r) {
+  look_at_result(s, point, r);
+  if (r->status != SWEEP_DAMAGED) return;
+  char *path = sweep_point_path(s, point, ".h5");
+  sd_messages *why = sd_messages_new();
+  const bool read = file_read_through(path, why) == SD_OK && !shortage_seen();
+  sweep_result_free(r);
+  *r = (sweep_result){.status = read ? SWEEP_DONE : SWEEP_UNREADABLE};
+  if (read)
+    look_at_result(s, point, r);
+  else
+    r->message = sd_messages_count(why) > 0 ? memory_text(sd_messages_text(why, 0))
+                                            : format_text("no memory to read %s", path);
+  sd_messages_free(why);
+  free(path);
+}
+
 void sweep_look(const sweep *s, size_t point, sweep_result *r) {
   *r = (sweep_result){.status = sweep_peek(s, point)};
-  if (r->status == SWEEP_DONE) look_at_result(s, point, r);
+  if (r->status == SWEEP_DONE) look_twice(s, point, r);
   if (r->status == SWEEP_RUNNING || r->status == SWEEP_STOPPED || r->status == SWEEP_FAILED)
     look_at_checkpoint(s, point, r);
   if (r->status == SWEEP_FAILED) r->message = read_failure(s, point);

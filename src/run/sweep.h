@@ -41,8 +41,9 @@ typedef enum sweep_status {
   SWEEP_STOPPED, /* begun, but no process is running it; an older result may exist */
   SWEEP_DONE,
   SWEEP_FAILED,
-  SWEEP_DAMAGED, /* the result of the point cannot be read */
-  SWEEP_OTHER,   /* the result or checkpoint was made with another deck */
+  SWEEP_DAMAGED,    /* the result of the point is damaged, or none */
+  SWEEP_UNREADABLE, /* the disk or a permission keeps the result of the point from being read */
+  SWEEP_OTHER,      /* the result or checkpoint was made with another deck */
   SWEEP_STATUSES
 } sweep_status;
 extern const char *const sweep_status_names[SWEEP_STATUSES];
@@ -60,14 +61,14 @@ typedef struct sweep_result {
   unsigned doubts; /* doubts about a finished result, as bits 1 << doubt_kind; 0: none */
   bool has_found;  /* true: `found` is set */
   summary found;   /* summary at the end if the point is finished, else at the last checkpoint */
-  /* explanation if the point failed, is damaged or was made with another deck, lines joined by ";
+  /* explanation if the point failed, is damaged, unreadable or was made with another deck, lines joined by ";
    * "; doubts if it is finished; else "" */
   char *message;
   size_t n_differences; /* number of differences between the decks, if status is SWEEP_OTHER */
   sweep_difference *differences;
 } sweep_result;
 /* Reads state and results of a point from its files. If a result cannot be read, that is not a
- * failure of this function but the status SWEEP_DAMAGED of the point. */
+ * failure of this function but the status SWEEP_DAMAGED or SWEEP_UNREADABLE of the point. */
 void sweep_look(const sweep *s, size_t point, sweep_result *result);
 void sweep_result_free(sweep_result *result);
 /* Returns the status of a point without opening its result: any result counts as finished. */
@@ -146,7 +147,7 @@ typedef struct sweep_options {
 
 /* Runs n points, or continues them, side by side (session.h). A point that is finished, or that
  * another process runs, is skipped (SD_OK); it is SD_ERROR_USER if its result is damaged or was
- * made with another deck. Each point ends independently: if one fails, its messages are also
+ * made with another deck, SD_ERROR_IO if it cannot be read. Each point ends independently: if one fails, its messages are also
  * written to NAME.failed, and the other points continue. */
 void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_options *options);
 /* Loads the model of a point and makes the path of its result, both freed by the caller, for
@@ -163,7 +164,8 @@ void sweep_note_messages(const sweep *s, size_t point, const sd_messages *messag
 void sweep_columns(const sweep *s, size_t point, const sd_model *model, bool *collected);
 /* Writes table.csv, table.h5 and means.csv from the contents of the folder (sweep_table.c). Only
  * one process at a time can do so. SD_ERROR_USER: another process is still writing them after
- * `patience` seconds; or there are points of another deck, and mix is false. count: the number of
+ * `patience` seconds; or there are points of another deck, and mix is false. SD_ERROR_IO: a result
+ * cannot be read, and tables that are there stay as they are. count: the number of
  * points of each status is added. */
 sd_status sweep_write_tables(const sweep *s, double patience, bool mix,
                              size_t count[SWEEP_STATUSES], sd_messages *messages);

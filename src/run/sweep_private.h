@@ -62,8 +62,9 @@ void result_table_collect(result_table *s, size_t n, const char *const *patterns
 void result_table_free(result_table *s);
 
 /* Writes the table as CSV (RFC 4180): numbers with as many digits as are needed to restore them
- * exactly, empty cells where values are missing. */
-sd_status result_table_write_csv(const result_table *s, const char *path, sd_messages *messages);
+ * exactly, empty cells where values are missing. *sum: receives the checksum of the file. */
+sd_status result_table_write_csv(const result_table *s, const char *path, uint64_t *sum,
+                                 sd_messages *messages);
 /* Writes the columns as datasets of an HDF5 group; an empty cell of an integer column is stored as
  * -1. */
 void result_table_write_h5(const result_table *s, h5_file *file, const char *group);

@@ -199,13 +199,25 @@ static void fill_means(result_table *m, const sweep *s, const result_table *t) {
 
 /* --- Writing ---------------------------------------------------------------------------------- */
 
+/* Returns the list of the files that belong to the tables, one per line: the CSV files with their
+ * checksums, and the results of finished points. `slipdisk verify` compares it with the folder. */
+static char *list_files(const sweep *s, const result_table *t, uint64_t table, uint64_t means) {
+  const result_column *status = result_table_find(t, "status");
+  char *text = format_text("table.csv %016" PRIx64 "\nmeans.csv %016" PRIx64 "\n", table, means);
+  for (size_t k = 0; status && k < t->n_rows; k++)
+    if (strcmp(status->text[k], sweep_status_names[SWEEP_DONE]) == 0)
+      text = append_text(text, "points/%s.h5\n", s->deck.points[k].name);
+  return text;
+}
+
 static sd_status write_h5(const sweep *s, const result_table *t, const result_table *m,
-                          const char *path, sd_messages *messages) {
+                          const char *path, const char *files, sd_messages *messages) {
   h5_file *file;
   sd_status status = h5_new(&file, messages);
   if (status != SD_OK) return status;
   result_table_write_h5(t, file, "/points");
   result_table_write_h5(m, file, "/means");
+  h5_put_text(file, "/parameters/files", files);
   h5_put_text(file, "/parameters/deck_text", s->deck.deck_text);
   char *lines = memory_text("");
   for (size_t k = 0; k < s->deck.n_overrides; k++)
@@ -222,9 +234,14 @@ static sd_status write_all(const sweep *s, const result_table *t, const result_t
                            sd_messages *messages) {
   char *csv = format_text("%s/table.csv", s->folder), *h5 = format_text("%s/table.h5", s->folder),
        *means = format_text("%s/means.csv", s->folder);
-  sd_status status = result_table_write_csv(t, csv, messages);
-  if (status == SD_OK) status = result_table_write_csv(m, means, messages);
-  if (status == SD_OK) status = write_h5(s, t, m, h5, messages);
+  uint64_t table_sum, means_sum;
+  sd_status status = result_table_write_csv(t, csv, &table_sum, messages);
+  if (status == SD_OK) status = result_table_write_csv(m, means, &means_sum, messages);
+  if (status == SD_OK) {
+    char *files = list_files(s, t, table_sum, means_sum);
+    status = write_h5(s, t, m, h5, files, messages);
+    free(files);
+  }
   free(csv);
   free(h5);
   free(means);
@@ -235,6 +252,7 @@ static sd_status make_tables(const sweep *s, bool mix, size_t *count, sd_message
   result_table t = {.n_rows = s->deck.n_points}, m = {.n_rows = s->deck.n_sets};
   sweep_tally others = {0};
   sweep_result *results;
+  sd_status unread = SD_OK;
   if (!memory_row(&results, s->deck.n_points, sizeof *results))
     return sd_fail(messages, SD_ERROR_IO, "no memory for the table");
   for (size_t k = 0; k < s->deck.n_points; k++) {
@@ -242,8 +260,12 @@ static sd_status make_tables(const sweep *s, bool mix, size_t *count, sd_message
     put_point(&t, s, k, k, &results[k]);
     count[results[k].status]++;
     if (!mix) sweep_tally_add(&others, &results[k]);
+    if (results[k].status == SWEEP_UNREADABLE)
+      unread = sd_fail(messages, SD_ERROR_IO, "no table is written: %s", results[k].message);
   }
-  sd_status status = sweep_refuse_other_decks(s, &others, "no table is written", messages);
+  sd_status status = unread != SD_OK
+                         ? unread
+                         : sweep_refuse_other_decks(s, &others, "no table is written", messages);
   sweep_tally_free(&others);
   result_table_keep_all(&t);
   for (size_t k = 0; k < s->deck.n_points; k++) {
@@ -398,7 +420,8 @@ static void put_cell(FILE *out, const result_column *c, size_t row) {
   if (c->kind == RESULT_TEXT && c->text[row]) text_cell(out, c->text[row]);
 }
 
-sd_status result_table_write_csv(const result_table *s, const char *path, sd_messages *messages) {
+sd_status result_table_write_csv(const result_table *s, const char *path, uint64_t *sum,
+                                 sd_messages *messages) {
   char *text = NULL;
   size_t size = 0;
   FILE *out = open_memstream(&text, &size);
@@ -416,6 +439,7 @@ sd_status result_table_write_csv(const result_table *s, const char *path, sd_mes
     fputc('\n', out);
   }
   if (fclose(out) != 0) memory_lacks(0);
+  *sum = file_sum(FILE_SUM, text, size);
   sd_status status = file_write_atomic(path, text, size, messages);
   free(text);
   return status;

@@ -186,6 +186,8 @@ static sd_status look_first(const sweep *s, size_t point, bool quiet, bool *done
   *done = r.status == SWEEP_DONE;
   sd_status status = *done && r.doubts ? SD_DOUBTFUL : SD_OK;
   if (*done && !quiet) fprintf(stderr, "point %zu, %s, is done already\n", point, name);
+  if (r.status == SWEEP_UNREADABLE)
+    status = sd_fail(messages, SD_ERROR_IO, "point %zu, %s: %s", point, name, r.message);
   if (r.status == SWEEP_OTHER || r.status == SWEEP_DAMAGED)
     status = sd_fail(messages, SD_ERROR_USER,
                      "point %zu, %s, is there already: %s: %s; --force runs it again", point, name,

@@ -121,7 +121,7 @@ typedef struct scheduler {
   /* [n_points]: bit mask of doubts about the result of a finished point */
   unsigned char *doubts;
   size_t width; /* Largest number of points in a group */
-  size_t done, failed, other, damaged, elsewhere, left;
+  size_t done, failed, other, damaged, unreadable, elsewhere, left;
   size_t doubted[DOUBT_KINDS]; /* Number of finished points with each kind of doubt */
   bool in_doubt;               /* True if any finished point has a doubt */
   int worst;                   /* Exit status: the worst of all points so far */

@@ -62,7 +62,8 @@ void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *t
   bool bad = r->status >= SWEEP_FAILED || r->doubts;
   if (w->c->quiet && !bad) return;
   sweep_clear_line(w);
-  fprintf(stderr, "[%zu/%zu] point %zu, %s: ", w->done + w->failed + w->other + w->damaged,
+  fprintf(stderr,
+          "[%zu/%zu] point %zu, %s: ", w->done + w->failed + w->other + w->damaged + w->unreadable,
           w->end - w->first, point, w->s->deck.points[point].name);
   if (r->status == SWEEP_DONE) {
     sweep_finding(r, finding, sizeof finding);
@@ -72,7 +73,9 @@ void sweep_show(scheduler *w, size_t point, const sweep_result *r, const char *t
     report_lines(stderr, "    ", text);
   } else if (r->status >= SWEEP_FAILED) {
     fprintf(stderr, "%s: %s%s\n", sweep_status_names[r->status], r->message,
-            r->status > SWEEP_FAILED ? "; --force runs the point again" : "");
+            r->status == SWEEP_DAMAGED || r->status == SWEEP_OTHER
+                ? "; --force runs the point again"
+                : "");
   } else {
     fprintf(stderr, "%s\n", sweep_status_names[r->status]);
   }
@@ -154,6 +157,7 @@ void sweep_show_end(scheduler *w) {
   if (w->failed) fprintf(stderr, ", %zu failed", w->failed);
   if (w->other) fprintf(stderr, ", %zu with a result that is not this deck's", w->other);
   if (w->damaged) fprintf(stderr, ", %zu with a damaged result", w->damaged);
+  if (w->unreadable) fprintf(stderr, ", %zu that cannot be read", w->unreadable);
   if (w->elsewhere) fprintf(stderr, ", %zu run by another process", w->elsewhere);
   if (sweep_is_part(w->c))
     fprintf(stderr, "; --table makes the table\n");

@@ -97,8 +97,8 @@ static size_t find_todo(scheduler *w, size_t *todo, sd_messages *messages) {
       sweep_remember(w, k, &r);
     } else if (r.status > SWEEP_FAILED) {
       sweep_remember(w, k, &r);
-      sweep_worsen(w, SD_ERROR_USER);
-      if (r.status == SWEEP_DAMAGED || w->c->mix) sweep_show(w, k, &r, "", 0);
+      sweep_worsen(w, r.status == SWEEP_UNREADABLE ? SD_ERROR_IO : SD_ERROR_USER);
+      if (r.status != SWEEP_OTHER || w->c->mix) sweep_show(w, k, &r, "", 0);
       if (!w->c->mix) sweep_tally_add(&others, &r);
     } else {
       todo[n++] = k;
@@ -193,7 +193,7 @@ static sweep_status final_status(scheduler *w, size_t k) {
   if (now == SWEEP_RUNNING) return now;
   if (app_stop && w->tried[k] == UNTRIED && (now == SWEEP_FAILED || w->c->force))
     return SWEEP_WAITING;
-  if (seen == SWEEP_OTHER || seen == SWEEP_DAMAGED) return (sweep_status)seen;
+  if (seen > SWEEP_FAILED) return (sweep_status)seen;
   if ((now == SWEEP_WAITING || now == SWEEP_STOPPED) && seen == SWEEP_FAILED) return SWEEP_FAILED;
   if (now != SWEEP_DONE || seen == SWEEP_DONE) return now;
   sweep_result r;
@@ -218,10 +218,12 @@ static void count_all(scheduler *w) {
   w->failed = count[SWEEP_FAILED];
   w->other = count[SWEEP_OTHER];
   w->damaged = count[SWEEP_DAMAGED];
+  w->unreadable = count[SWEEP_UNREADABLE];
   w->elsewhere = count[SWEEP_RUNNING];
   w->left = count[SWEEP_WAITING] + count[SWEEP_STOPPED];
   if (w->failed > 0) sweep_worsen(w, SD_ERROR_NUMERIC);
   if (w->other + w->damaged > 0) sweep_worsen(w, SD_ERROR_USER);
+  if (w->unreadable > 0) sweep_worsen(w, SD_ERROR_IO);
 }
 
 static size_t count_workers(const scheduler *w) {

@@ -332,6 +332,7 @@ void sweep_remember(scheduler *w, size_t point, const sweep_result *r) {
   w->failed += r->status == SWEEP_FAILED;
   w->other += r->status == SWEEP_OTHER;
   w->damaged += r->status == SWEEP_DAMAGED;
+  w->unreadable += r->status == SWEEP_UNREADABLE;
 }
 
 void sweep_account(scheduler *w, size_t point, sd_status status, const char *text, const cell *ran,
@@ -350,7 +351,8 @@ void sweep_account(scheduler *w, size_t point, sd_status status, const char *tex
   w->tried[point] = r.status == SWEEP_RUNNING ? SKIPPED : TRIED;
   sweep_remember(w, point, &r);
   if (r.status == SWEEP_FAILED) sweep_worsen(w, SD_ERROR_NUMERIC);
-  if (r.status > SWEEP_FAILED) sweep_worsen(w, SD_ERROR_USER);
+  if (r.status > SWEEP_FAILED)
+    sweep_worsen(w, r.status == SWEEP_UNREADABLE ? SD_ERROR_IO : SD_ERROR_USER);
   if (status == SD_ERROR_IO) sweep_worsen(w, SD_ERROR_IO);
   if (r.status == SWEEP_RUNNING)
     w->steps_total -= (double)w->steps[point];

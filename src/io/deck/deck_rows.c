@@ -287,14 +287,23 @@ static bool is_hdf5(deck *d, const deck_node *file, const char *path) {
 
 /* Returns the path of the dataset to read. The deck need not give it for an H5MD file with a single
  * group of particles. Returns NULL if it is missing (reported). */
-static const char *dataset_of(deck_group *g, const char *path) {
+static const char *dataset_of(deck_group *g, const deck_node *node, const char *path) {
+  deck *d = g->d;
+  h5_file *file;
   if (deck_given(g, "dataset")) return deck_text_of(g, "dataset");
   char *only = h5_only_particles(path);
+  const size_t before = sd_messages_errors(d->messages);
+  if (!only && h5_open(path, &file, d->messages) != SD_OK) {
+    d->reported += sd_messages_errors(d->messages) - before;
+    deck_fail(d, node, "cannot be read");
+    return NULL;
+  }
   if (!only) {
+    h5_close(file, NULL);
     deck_fail_key(g, "dataset", "missing: expected the path of a dataset in the HDF5 file");
     return NULL;
   }
-  const char *name = deck_copy(g->d, only, strlen(only));
+  const char *name = deck_copy(d, only, strlen(only));
   free(only);
   deck_default_text(g, "dataset", name);
   return name;
@@ -315,7 +324,7 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
     if (t->column[c] >= COLUMN_NUMBERS)
       deck_fail_key(g, "columns", "column \"%s\" is a text; a dataset gives numbers only",
                     deck_column_names[t->column[c]]);
-  const char *dataset = is_hdf5(d, file, path) ? dataset_of(g, path) : NULL;
+  const char *dataset = is_hdf5(d, file, path) ? dataset_of(g, file, path) : NULL;
   if (!dataset) return;
   static const char *const usual[] = {"x", "y", "radius"};
   for (int k = 0; k < 3 && !deck_given(g, "columns"); k++)

@@ -561,6 +561,16 @@ sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_me
   return status;
 }
 
+sd_status file_read_through(const char *path, sd_messages *messages) {
+  uint64_t size, sum;
+  const int fd = file_open_quiet(path, &size);
+  if (fd < 0)
+    return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, file_error_text(errno));
+  const sd_status status = file_sum_of(fd, path, size, &sum, messages);
+  close(fd);
+  return status;
+}
+
 /* --- Folders that appear complete or not at all ----------------------------------------------- */
 
 sd_status file_folder_open(const char *path, file_folder *f, sd_messages *messages) {

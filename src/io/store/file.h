@@ -138,6 +138,9 @@ bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have);
 /* Computes the checksum (file_sum) of the first n bytes of an open file, reading piece by piece.
  * Returns SD_ERROR_IO if the file is shorter or cannot be read. */
 sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_messages *messages);
+/* Reads all bytes of a regular file. It is called after a file could not be understood: SD_OK says
+ * that its content is to blame, SD_ERROR_IO with a message that the disk or a permission is. */
+sd_status file_read_through(const char *path, sd_messages *messages);
 
 /* --- Names ------------------------------------------------------------------------------------ */
 /* Returns false if there certainly is no file or folder at path; true also if that cannot be found

@@ -183,6 +183,22 @@ sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_me
   return status;
 }
 
+sd_status folder_read_through(const char *path, sd_messages *messages) {
+  DIR *directory = opendir(path);
+  if (!directory) return file_fail(messages, "read", path);
+  sd_status status = SD_OK;
+  for (struct dirent *entry; status == SD_OK && (entry = readdir(directory));) {
+    int64_t number;
+    const kind what = kind_of(entry->d_name, &number);
+    if (what == FOREIGN || what == TEMPORARY) continue;
+    char *file = format_text("%s/%s", path, entry->d_name);
+    status = file_read_through(file, messages);
+    free(file);
+  }
+  closedir(directory);
+  return status;
+}
+
 /* A function that returns true if a file of this kind, with this number in its name, is to be
  * removed. limit: as given to remove_some. */
 typedef bool chooser(kind what, int64_t number, int64_t limit);

@@ -55,6 +55,9 @@ char *folder_emergency(const char *path, int64_t step);
 /* Lists the steps of the checkpoints in a folder, newest first; *steps is to be freed. It needs no
  * lock. */
 sd_status folder_checkpoints(const char *path, int64_t **steps, size_t *n, sd_messages *messages);
+/* Reads all bytes of the files of slipdisk in a folder. SD_ERROR_IO: the disk or a permission
+ * prevents that (file_read_through). */
+sd_status folder_read_through(const char *path, sd_messages *messages);
 /* Removes temporary files, parts with numbers above `parts` with their files of single ranks
  * (shares), and such files of checkpoints that are newer than all complete checkpoints. */
 sd_status folder_clean(const folder *f, int64_t parts, sd_messages *messages);

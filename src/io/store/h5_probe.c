@@ -24,6 +24,7 @@
 #include "base/memory.h"
 #include "base/team.h"
 #include "base/text.h"
+#include "io/store/file.h"
 #include "io/store/h5_private.h"
 #include "slipdisk/deck.h"
 
@@ -328,7 +329,7 @@ sd_status h5_probe(int fd, const char *path, h5_probing how, uint64_t small,
   static _Thread_local struct stat sound; /* facts of the last file that was found to be readable */
   struct stat facts;
   if (!program) return SD_OK;
-  if (fstat(fd, &facts) != 0) return sd_fail(messages, SD_ERROR_IO, "cannot read %s", path);
+  if (fstat(fd, &facts) != 0) return file_fail(messages, "read", path);
   if (how == H5_PROBE_QUICK && is_same(&facts, &sound)) return SD_OK;
   const double seconds = patience + (double)facts.st_size / PIECE;
   const int verdict = ask(fd, how, small, seconds);

@@ -41,12 +41,11 @@ sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *mes
   piece last[2];
   struct stat facts;
   size_t have = 0;
-  if (fstat(fd, &facts) != 0 || facts.st_size < 0)
-    return sd_fail(messages, SD_ERROR_IO, "cannot read %s", path);
+  if (fstat(fd, &facts) != 0 || facts.st_size < 0) return file_fail(messages, "read", path);
   uint64_t size = (uint64_t)facts.st_size;
   if (size < sizeof last) return SD_OK;
   if (!file_read_at(fd, size - sizeof last, last, sizeof last, &have))
-    return sd_fail(messages, SD_ERROR_IO, "cannot read the end of %s", path);
+    return file_fail(messages, "read the end of", path);
   if (have != sizeof last || memcmp(last[1].mark, seal_mark, sizeof seal_mark) != 0) return SD_OK;
   mark->size = last[1].size;
   mark->sum = last[1].sum;
