@@ -215,6 +215,25 @@ class Safety(Live):
             self.assertEqual(status, 405, method)
             self.assertNotIn("Access-Control-Allow-Origin", headers)
 
+    def test_headers_that_say_two_things(self):
+        """Where it is not clear for whom a request is, or where it ends: 400, and the connection ends."""
+        own, get = f"127.0.0.1:{self.port}", f"GET /{self.token}/status HTTP/1.1"
+        for status, *lines in ((200, f"Host: {own}"), (200, "hOST: LocalHost"), (200, "Host: 127.0.0.1:"), (200, f"Host: {own}", "Content-Length: 0"),
+                               (403, "Host: evil:1"), (403, "Host:"), (403, "Host: [::1]:80"),
+                               (400,), (400, f"Host: {own}", f"Host: {own}"), (400, f"Host: {own}", "Host: evil"),
+                               (400, "Host: evil", f"Host: {own}"), (400, f"Host: {own}", f"hOST: {own}"), (400, "Host: 127.0.0.1:junk"),
+                               (400, "Host: 127.0.0.1:1 evil"), (400, "Host: 127.0.0.1:1@evil"), (400, "Host: 127.0.0.1:1:1"),
+                               (400, f"Host: {own}", "Content-Length: 0", "Content-Length: 5"),
+                               (400, f"Host: {own}", "Content-Length: 0", "Content-Length: 0"), (400, f"Host: {own}", "Content-Length: -1"),
+                               (400, f"Host: {own}", "Content-Length: 5", "Transfer-Encoding: chunked"),
+                               (400, f"Host: {own}", "Transfer-Encoding: chunked", "Transfer-Encoding: chunked")):
+            with socket.create_connection(("127.0.0.1", self.port), timeout=20) as connection:
+                connection.sendall("\r\n".join((get, *lines, "", "")).encode())
+                answer = connection.recv(1000)
+                self.assertEqual(answer.split(b" ", 2)[1], str(status).encode(), lines)
+                while status == 400 and answer:  # the end of the connection
+                    answer = connection.recv(1000)
+
     def test_what_browsers_are_told(self):
         for name in "", "meta", "status", "static":
             _, headers, _ = self.ask(name, headers=[("Origin", "http://evil.example")])

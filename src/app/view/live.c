@@ -14,6 +14,7 @@
 #include <inttypes.h>
 #include <microhttpd.h>
 #include <signal.h>
+#include <strings.h>
 #include <sys/resource.h>
 #include <unistd.h>
 #endif
@@ -389,16 +390,41 @@ static void key_was_shown(live *l, connection *c) {
 
 /* --- authorisation ---------------------------------------------------------------------------- */
 
-/* Returns true if the host name of a request is a name of this machine itself. A request with
- * another name can reach this server only by DNS rebinding, an attack. Any port is allowed, since a
- * tunnel may have another one. */
-static bool is_own_host(const char *host) {
-  static const char *const own[] = {"127.0.0.1", "localhost"};
-  for (size_t k = 0; host && k < 2; k++) {
-    size_t n = strlen(own[k]);
-    if (strncmp(host, own[k], n) == 0 && (host[n] == 0 || host[n] == ':')) return true;
+/* Headers that say for whom a request is and where it ends, each allowed once. */
+enum { HOST, LENGTH, CODING, SINGLE };
+typedef struct single_headers {
+  unsigned count[SINGLE];
+  const char *host;
+} single_headers;
+
+static enum MHD_Result note_header(void *user, enum MHD_ValueKind kind, const char *key,
+                                   const char *value) {
+  static const char *const names[SINGLE] = {"Host", "Content-Length", "Transfer-Encoding"};
+  single_headers *h = user;
+  (void)kind;
+  for (size_t k = 0; k < SINGLE; k++) {
+    if (strcasecmp(key, names[k]) != 0) continue;
+    h->count[k]++;
+    if (k == HOST) h->host = value;
   }
-  return false;
+  return MHD_YES;
+}
+
+/* Returns 0, or the status with which a request is refused for its headers. A host that is no name
+ * of this machine itself can reach this server only by DNS rebinding, an attack. Any port is
+ * allowed, since a tunnel may have another one. */
+static unsigned refused(connection *c) {
+  static const char *const own[] = {"127.0.0.1", "localhost"};
+  single_headers h = {0};
+  MHD_get_connection_values(c, MHD_HEADER_KIND, note_header, &h);
+  if (h.count[HOST] != 1 || h.count[LENGTH] + h.count[CODING] > 1 || !h.host)
+    return MHD_HTTP_BAD_REQUEST;
+  const size_t name = strcspn(h.host, ":");
+  const char *port = h.host + name + (h.host[name] == ':');
+  if (h.host[0] != '[' && strspn(port, "0123456789") != strlen(port)) return MHD_HTTP_BAD_REQUEST;
+  for (size_t k = 0; k < sizeof own / sizeof *own; k++)
+    if (strlen(own[k]) == name && strncasecmp(h.host, own[k], name) == 0) return 0;
+  return MHD_HTTP_FORBIDDEN;
 }
 
 /* Compares a word with the token, in a time that does not depend on which digit differs. */
@@ -438,17 +464,17 @@ static enum MHD_Result serve(void *user, connection *c, const char *url, const c
                              void **state) {
   live *l = user;
   (void)version, (void)upload;
-  /* Only the headers have arrived in the first call, and an answer would end the connection */
+  /* Only the headers have arrived in the first call, and an answer ends the connection, as is right
+   * where it is not clear where the request ends */
   if (!*state) {
     *state = l;
-    return MHD_YES;
+    const unsigned status = refused(c);
+    return status ? send_answer(c, (answer){.status = status}) : MHD_YES;
   }
   if (*upload_size > 0) { /* Skip the body of a request */
     *upload_size = 0;
     return MHD_YES;
   }
-  if (!is_own_host(MHD_lookup_connection_value(c, MHD_HEADER_KIND, "Host")))
-    return send_answer(c, (answer){.status = MHD_HTTP_FORBIDDEN});
   const struct resource *one = find(l, url);
   if (!one) return send_answer(c, (answer){.status = MHD_HTTP_NOT_FOUND});
   key_was_shown(l, c);
