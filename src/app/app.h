@@ -94,7 +94,7 @@ typedef struct drive_options {
        NULL,                                                                                       \
        NULL,                                                                                       \
        "show the run in a browser on this machine, at the address that is printed"},               \
-  {                                                                                                \
+      CONFINED_OPTION, {                                                                           \
     "log", 0, OPTION_PATH, offsetof(arguments, drive.log), NULL, "FILE",                           \
         "append progress and result to a file"                                                     \
   }
@@ -119,7 +119,9 @@ int drive_describe_saved(char *text, size_t size);
 void report_summary(FILE *out, const summary *found);
 /* Prints each line of `text` with the prefix `before`. */
 void report_lines(FILE *out, const char *before, const char *text);
-/* Replaces the last line of a terminal by `text`, cut to the width of the terminal. */
+/* Returns true if a stream is a terminal that can redraw its last line; TERM=dumb cannot. */
+bool report_redraws(FILE *out);
+/* Replaces the last line of such a terminal by `text`, cut to the width of the terminal. */
 void report_status_line(FILE *out, const char *text);
 /* Prints one line on the cost of a run: number of steps, wall time, ns per step, number of
  * threads. */

@@ -28,12 +28,12 @@ typedef struct teller {
   bool terminal, line_open;
   FILE *log;
   /* Clock readings, s: at the start of the run, and at the last progress line written to the log
-   * or to a screen that is no terminal */
+   * or to a screen that cannot redraw */
   double began, told_at;
   live *page; /* Page in a browser; NULL: none */
 } teller;
 
-/* Shortest and longest time between progress lines in the log or on a screen that is no terminal,
+/* Shortest and longest time between progress lines in the log or on a screen that cannot redraw,
  * s. The time is a quarter of that since the start, within these limits. */
 static const double PLAIN_FIRST = 3, PLAIN_LAST = 60;
 
@@ -355,7 +355,7 @@ int drive_run(const sd_model *model, const drive_options *options, sd_messages *
   app_begin_saving();
   double now = clock_seconds();
   teller t = {.screen = options->quiet || !leads ? NULL : stderr,
-              .terminal = isatty(STDERR_FILENO),
+              .terminal = report_redraws(stderr),
               .began = now,
               .told_at = now};
   if (options->log && leads) status = open_log(&t, options->log);

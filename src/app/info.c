@@ -350,6 +350,7 @@ static const option_row rows[] = {
      "the deck as it was written, without -D and the point of a sweep"},
     {"names", 0, OPTION_FLAG, offsetof(arguments, names), NULL, NULL,
      "print the tables of all observables, and nothing else"},
+    CONFINED_OPTION,
 };
 const command_line app_info_line = {
     .name = "info",

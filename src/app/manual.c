@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/text.h"
+#include "io/deck/deck.h"
 #include "version.h"
 
 typedef struct manual_row {
@@ -33,6 +34,8 @@ static const manual_row environment[] = {
     {"SLIPDISK_CHUNK",
      "disks that a step treats while they are in the cache, and lets systems of four such chunks "
      "take several steps at once, to the same bits; for tests"},
+    {"SLIPDISK_CONFINED",
+     "a folder: decks read no file outside of it (`--confined` sets it to that of the deck)"},
     {"SLIPDISK_PATH",
      "instruction set of the kernels, `baseline`, `avx2` or `avx512`, to the same bits; by "
      "default the best that the machine has"},
@@ -235,10 +238,13 @@ void manual_overview(FILE *out, size_t n, const command_line *const *lines) {
 /* --- bash completion -------------------------------------------------------------------------- */
 
 /* Prints for the completion script which value an option takes: "file", "folder", "text", or the
- * words of a choice, such as "csv,vtk". */
+ * words of a choice, such as "csv,vtk"; "key": a path of the deck. */
 static void bash_kind(FILE *out, const option_row *row) {
-  if (row->kind == OPTION_CHOICE)
-    for (const char *c = row->value; *c; c++) fputc(*c == '|' ? ',' : *c, out);
+  const char *words = options_words(row);
+  if (words)
+    for (const char *c = words; *c; c++) fputc(*c == '|' ? ',' : *c, out);
+  else if (strcmp(row->value, "PATH=VALUE") == 0)
+    fputs("key", out);
   else if (row->kind == OPTION_PATH || row->kind == OPTION_RESULT || row->kind == OPTION_STREAM)
     fputs(strstr(row->value, "FOLDER") ? "folder" : "file", out);
   else
@@ -303,6 +309,9 @@ static const char bash_code[] =
     "  case $kind in\n"
     "    option) _slipdisk_words \"$(printf '%s\\n' $options | sed 's/:.*//')\" ;;\n"
     "    text) ;;\n"
+    "    key)\n"
+    "      compopt -o nospace 2>/dev/null\n"
+    "      mapfile -t COMPREPLY < <(compgen -S = -W \"$_slipdisk_keys\" -- \"$cur\") ;;\n"
     "    folder) _slipdisk_folders ;;\n"
     "    file) _slipdisk_files '' ;;\n"
     "    ?*) _slipdisk_words \"${kind//,/ }\" ;;\n"
@@ -321,6 +330,8 @@ void manual_bash(FILE *out, size_t n, const command_line *const *lines) {
         "--bash`\n_slipdisk_commands='version",
         out);
   for (size_t k = 0; k < n; k++) fprintf(out, " %s", lines[k]->name);
+  fputs("'\n_slipdisk_keys='", out);
+  deck_paths_print(out);
   fputs("'\n\n_slipdisk_rows() {\n  case $1 in\n", out);
   for (size_t k = 0; k < n; k++) bash_command(out, lines[k]);
   fputs(bash_code, out);

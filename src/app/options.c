@@ -178,6 +178,7 @@ static int take(const command_line *line, const option_row *row, const char *val
   bool good = true;
   switch (row->kind) {
     case OPTION_FLAG: *(bool *)field = true; break;
+    case OPTION_CONFINED: break; /* options_parse sees to it */
     case OPTION_NUMBER:
       good = options_number(value, row->limits->least, row->limits->most, field);
       break;
@@ -218,18 +219,32 @@ static int take(const command_line *line, const option_row *row, const char *val
   return good ? 0 : app_misuse(line->name, "%s %s%s", shown, value, row->limits->wrong);
 }
 
+const char *options_words(const option_row *row) {
+  if (row->kind == OPTION_LIST && row->limits) return row->limits->wrong;
+  return row->kind == OPTION_CHOICE ? row->value : NULL;
+}
+
+/* Refuses a second operand, which may be the value of an option whose name was left out. */
+static int refuse_second(const command_line *line, const char *word) {
+  static const char *const one[] = {"one deck", "one result", "", "one command"};
+  const size_t n = strlen(word);
+  for (size_t k = 0; k < line->n; k++)
+    for (const char *w = options_words(&line->rows[k]); w;
+         w = strchr(w, '|') ? strchr(w, '|') + 1 : NULL)
+      if (n > 0 && strncmp(w, word, n) == 0 && (!w[n] || w[n] == '|'))
+        return app_misuse(line->name, "%s is expected, \"%s\" is a second; did you mean --%s %s?",
+                          one[line->operand], word, line->rows[k].name, word);
+  return app_misuse(line->name, "%s is expected, \"%s\" is a second", one[line->operand], word);
+}
+
 static int take_operand(const command_line *line, int argc, char **argv, void *arguments) {
   static const char *const missing[] = {"no deck is given", "one result is expected",
                                         "no result is given", "no command is given"};
   void *field = (char *)arguments + line->offset;
   int n = argc - optind;
   if (n == 0 && line->optional) return 0;
-  if (n > 1 && line->operand == OPERAND_COMMAND)
-    return app_misuse(line->name, "one command is expected");
-  if (n == 0 || (n > 1 && line->operand == OPERAND_RESULT))
-    return app_misuse(line->name, "%s", missing[line->operand]);
-  if (n > 1 && line->operand == OPERAND_DECK)
-    return app_misuse(line->name, "one deck is expected, \"%s\" is a second", argv[optind + 1]);
+  if (n == 0) return app_misuse(line->name, "%s", missing[line->operand]);
+  if (n > 1 && line->operand != OPERAND_RESULTS) return refuse_second(line, argv[optind + 1]);
   for (int k = optind;
        k < argc && line->operand != OPERAND_DECK && line->operand != OPERAND_COMMAND; k++)
     if (strcmp(argv[k], "-") == 0)
@@ -242,14 +257,38 @@ static int take_operand(const command_line *line, int argc, char **argv, void *a
   return 0;
 }
 
+/* Sets the folder of the operands as that which decks may read, for this process and those that it
+ * starts. */
+static int confine(const command_line *line, int argc, char **argv) {
+  char *all = NULL;
+  int status = 0;
+  for (int k = optind; k < argc && status == 0; k++) {
+    const char *slash = strrchr(argv[k], '/');
+    char *folder = slash ? format_text("%.*s/", (int)(slash - argv[k]), argv[k]) : memory_text("."),
+         *real = realpath(folder, NULL);
+    if (!real)
+      status = app_misuse(line->name, "--confined: %s: %s", folder, strerror(errno));
+    else if (all && strcmp(all, real) != 0)
+      status = app_misuse(line->name, "--confined: expected files of one folder, not of %s and %s",
+                          all, real);
+    free(folder);
+    free(all);
+    all = real;
+  }
+  if (status == 0 && all && setenv("SLIPDISK_CONFINED", all, 1) != 0) memory_lacks(strlen(all));
+  free(all);
+  return status;
+}
+
 int options_parse(const command_line *line, int argc, char **argv, void *arguments) {
   enum { MOST = 32, FIRST = 256 };
+  bool confined = false;
   struct option options[MOST] = {{0}};
   char letters[2 * MOST + 2] = ":";
   assert(line->n < MOST);
   for (size_t k = 0; k < line->n; k++) {
     const option_row *row = &line->rows[k];
-    bool value = row->kind != OPTION_FLAG;
+    bool value = row->kind != OPTION_FLAG && row->kind != OPTION_CONFINED;
     options[k] =
         (struct option){row->name, value ? required_argument : no_argument, NULL, FIRST + (int)k};
     if (row->letter) snprintf(letters + strlen(letters), 3, "%c%s", row->letter, value ? ":" : "");
@@ -269,8 +308,10 @@ int options_parse(const command_line *line, int argc, char **argv, void *argumen
     while (c < FIRST && line->rows[k].letter != (char)c) k++;
     int mistake = take(line, &line->rows[k], optarg, arguments);
     if (mistake) return mistake;
+    confined |= line->rows[k].kind == OPTION_CONFINED;
   }
-  return take_operand(line, argc, argv, arguments);
+  const int mistake = take_operand(line, argc, argv, arguments);
+  return mistake || !confined ? mistake : confine(line, argc, argv);
 }
 
 /* --- help ------------------------------------------------------------------------------------- */

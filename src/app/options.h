@@ -25,7 +25,8 @@ typedef enum option_kind {
   OPTION_RESULT,
   /* Same as OPTION_PATH, or "-" for the standard output; the field is a const char * */
   OPTION_STREAM,
-  OPTION_LIST /* Any text; the option may be given several times; the field is an option_list */
+  OPTION_LIST,    /* Any text; the option may be given several times; the field is an option_list */
+  OPTION_CONFINED /* No value and no field: see CONFINED_OPTION */
 } option_kind;
 
 typedef struct option_real {
@@ -52,13 +53,22 @@ typedef struct option_row {
   option_kind kind;
   size_t offset; /* Offset of the option's field in the struct of the command's arguments */
   /* Limits of OPTION_NUMBER and OPTION_REAL; OPTION_CHOICE: only the end of the error message, or
-   * NULL; NULL for other kinds */
+   * NULL; OPTION_LIST: only its words "a|b|c", which the command checks, in `wrong`, or NULL; NULL
+   * for other kinds */
   const option_limits *limits;
   /* Name of the option's value in the help, or the words of a choice; NULL: the option takes no
    * value */
   const char *value;
   const char *help;
 } option_row;
+
+/* Row of an option that keeps decks, and decks in results, from reading files of other folders than
+ * that of the operand. */
+#define CONFINED_OPTION                                                                            \
+  {                                                                                                \
+    "confined", 0, OPTION_CONFINED, 0, NULL, NULL,                                                 \
+        "for decks and results of others: read no file that they name outside of their folder"     \
+  }
 
 /* Kind of operand that a command takes. A deck may be "-", the standard input. The field at
  * command_line.offset is a const char *; for OPERAND_RESULTS a size_t, the index in argv of the
@@ -89,6 +99,8 @@ typedef struct command_line {
 /* Parses a command line into the struct `arguments`. Returns 0; after a mistake of the user, prints
  * it and returns the exit status. */
 int options_parse(const command_line *line, int argc, char **argv, void *arguments);
+/* Returns the words "a|b|c" that an option takes; NULL: other values. */
+const char *options_words(const option_row *row);
 /* Reads an integer from `text` into *out. Returns false if it is no integer or outside [least,
  * most]. */
 bool options_number(const char *text, long least, long most, long *out);

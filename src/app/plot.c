@@ -14,6 +14,9 @@
 #include "io/store/file.h"
 
 #define QUANTITIES "omega|turned|spin|speed|vx|vy|moved|radius|contacts|pressure|fraction|group"
+#define KINDS                                                                                      \
+  "rotation|spin|configurations|energy|contact|paths|map|network|forces|gr|profile|means|"         \
+  "compression|stress|shear|walls|flow|curve|list"
 #define COLOR_HELP                                                                                 \
   "what colours disks; by default omega (means of every disk), else turned (angle between "        \
   "frames), else "                                                                                 \
@@ -33,7 +36,7 @@ enum { NO_FRAME = INT_MIN };
 static const option_row plot_rows[] = {
     {"output", 'o', OPTION_PATH, offsetof(arguments, output), NULL, "PICTURE",
      ".png, .svg or .pdf; by default the name of FILE with .png, in the current folder"},
-    {"kind", 'k', OPTION_LIST, offsetof(arguments, kinds), NULL, "KIND",
+    {"kind", 'k', OPTION_LIST, offsetof(arguments, kinds), &(option_limits){0, 0, KINDS}, "KIND",
      "what is drawn, many times for a page; list tells what this FILE has"},
     {"frame", 0, OPTION_NUMBER, offsetof(arguments, frame),
      &(option_limits){-1000000000, 1000000000,

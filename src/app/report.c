@@ -2,8 +2,10 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
+#include <unistd.h>
 
 #include "app/app.h"
 
@@ -26,6 +28,11 @@ void report_lines(FILE *out, const char *before, const char *text) {
     n = strcspn(text, "\n");
     fprintf(out, "%s%.*s\n", before, (int)n, text);
   }
+}
+
+bool report_redraws(FILE *out) {
+  const char *kind = getenv("TERM");
+  return isatty(fileno(out)) && kind && *kind && strcmp(kind, "dumb") != 0;
 }
 
 void report_status_line(FILE *out, const char *text) {

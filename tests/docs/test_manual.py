@@ -120,11 +120,38 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.complete("sweep", "-o", ""), ["deck.sweep"])
         self.assertEqual(self.complete("run", "--threads", ""), [])
         self.assertEqual(self.complete("run", "-D", "seed", "=", ""), [])
+        self.assertEqual(self.complete("plot", "deck.h5", "-k", "st"), ["stress"])
+        for extra, meant in (("plot", "stress"), "--kind stress"), (("export", "vtk"), "--to vtk"), (("film", "spin"), "--color spin"):
+            self.assertIn(f'"{extra[1]}" is a second; did you mean {meant}?', told(extra[0], "deck.h5", extra[1], status=2))
         for command in COMMANDS:
             for letter, name, value in OPTION.findall(told("help", command)):
                 if re.fullmatch(r"[a-z0-9-]+(\|[a-z0-9-]+)+", value):
                     self.assertEqual(self.complete(command, f"--{name}", ""), sorted(value.split("|")))
                     self.assertIn(f"expected {value}", told(command, f"--{name}", "nonsense", "deck.cfg", status=2))
+
+    def test_kinds_of_pictures(self):
+        """Those of the Python package, which draws them."""
+        kinds = re.findall(r'^    Kind\("(\w+)"', (ROOT / "tools/python/slipdisk/plot.py").read_text(), re.M)
+        self.assertEqual(self.complete("plot", "--kind", "=", ""), sorted([*kinds, "list"]))
+
+    def test_paths_of_keys(self):
+        """Behind -D: every key of the reference, and each is a path that -D knows."""
+        self.assertEqual(self.complete("run", "deck.cfg", "-D", "gravity.t"), ["gravity.tilt="])
+        self.assertEqual(self.complete("check", "--define", "=", "measure.sl"), ["measure.sliding[0].disk=", "measure.sliding[0].partners="])
+        paths = self.complete("sweep", "-D", "")
+        reference, table = set(), ""
+        for line in (ROOT / "docs/deck.md").read_text(encoding="utf-8").splitlines():
+            heading, key = re.match(r"### ([a-z_.]+)$", line), re.match(r"\|`(\w+)`\|([^|]+)\|", line)
+            table = heading[1] if heading else table
+            if key and key[2] not in ("group", "list of groups"):
+                reference.add(f"{table}.{key[1]}".removeprefix("deck."))
+        found = {re.sub(r"\[0\]|=$", "", path) for path in paths}
+        self.assertEqual(reference - found, set())
+        self.assertEqual(len(found), len(paths))
+        (self.here / "least.cfg").write_text("dt = 1e-4;\n")
+        for path in paths:
+            done = subprocess.run([PROGRAM, "check", "least.cfg", "-D", path + "1"], cwd=self.here, capture_output=True, text=True, check=False)
+            self.assertNotRegex(done.stderr, "unknown key|no such key", path)
 
     def test_bash_itself_calls_it(self):
         """With a terminal: what stands on the line after a tab."""

@@ -36,6 +36,7 @@ static const option_row rows[] = {
      "all of it as JSON, messages included"},
     {"keys", 0, OPTION_FLAG, offsetof(options, keys), NULL, NULL,
      "print the tables of all keys, and nothing else"},
+    CONFINED_OPTION,
 };
 const command_line app_check_line = {
     .name = "check",

@@ -47,6 +47,7 @@ static const option_row rows[] = {
      "a frame (5, -1 the last) or FIRST:END:STEP as slices in Python; by default all, of "
      "lammps-data the "
      "last"},
+    CONFINED_OPTION,
 };
 const command_line app_export_line = {
     .name = "export",

@@ -47,6 +47,7 @@ static const option_row rows[] = {
      "the part of the plane that counts; by default that of the deck"},
     {"body", 0, OPTION_LIST, offsetof(arguments, bodies), NULL, "NAME",
      "in tables of disks and contacts only this disk or wall; by name or number, many times"},
+    CONFINED_OPTION,
 };
 const command_line app_measure_line = {
     .name = "measure",

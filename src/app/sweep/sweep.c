@@ -48,6 +48,7 @@ static const option_row rows[] = {
      "tell how many points there are"},
     {"table", 0, OPTION_FLAG, offsetof(sweep_command, table), NULL, NULL,
      "write the table of what is there"},
+    CONFINED_OPTION,
 };
 const command_line app_sweep_line = {
     .name = "sweep",

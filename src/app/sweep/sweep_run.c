@@ -347,7 +347,7 @@ int sweep_run_all(const sweep *s, const sweep_command *c) {
                  .end = s->deck.n_points,
                  .width = choose_width(c),
                  .n_workers = c->workers > 0 ? (size_t)c->workers : 1,
-                 .terminal = isatty(STDERR_FILENO)};
+                 .terminal = report_redraws(stderr)};
   if (sweep_is_part(c)) {
     w.first = (size_t)c->point;
     if ((size_t)c->last < w.end) w.end = (size_t)c->last + 1;

@@ -33,6 +33,7 @@ static const option_row rows[] = {
      "the curves of one period as CSV; - is the standard output"},
     {"csv", 0, OPTION_STREAM, offsetof(arguments, csv), NULL, "FILE",
      "a row per set of the sweep; - is the standard output"},
+    CONFINED_OPTION,
 };
 const command_line app_theory_line = {
     .name = "theory",

@@ -29,6 +29,7 @@ static const option_row rows[] = {
     {"threads", 0, OPTION_NUMBER, offsetof(view_options, threads),
      &(option_limits){1, 4096, " is not a number of threads"}, "N",
      "threads of the run; by default as many as the number of disks is worth"},
+    CONFINED_OPTION,
 };
 const command_line app_view_line = {
     .name = "view",

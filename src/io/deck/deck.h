@@ -123,5 +123,7 @@ void deck_carry_contact(sd_contact_memory *contact, disk_angle_shift a, disk_ang
 
 /* Prints all keys as Markdown, in the form of docs/deck.md. */
 void deck_keys_print(FILE *out);
+/* Prints the paths of all keys, as they stand behind -D, one a line; elements of lists are [0]. */
+void deck_paths_print(FILE *out);
 
 #endif

@@ -539,6 +539,30 @@ void deck_keys_print(FILE *out) {
   }
 }
 
+/* Prints the path of a table, "measure.sliding[0].", of its first n characters. */
+static void print_prefix(FILE *out, const char *name, size_t n) {
+  for (size_t t = 0; t < deck_table_count; t++) {
+    const deck_table *table = deck_tables[t];
+    if (table == &deck_top || strlen(table->name) != n || strncmp(table->name, name, n) != 0)
+      continue;
+    const char *dot = memrchr(name, '.', n);
+    if (dot) print_prefix(out, name, (size_t)(dot - name));
+    const char *own = dot ? dot + 1 : name;
+    fprintf(out, "%.*s%s.", (int)(name + n - own), own, table->one ? "" : "[0]");
+  }
+}
+
+void deck_paths_print(FILE *out) {
+  for (size_t t = 0; t < deck_table_count; t++) {
+    const deck_key *key;
+    for (size_t k = 0; (key = deck_key_at(deck_tables[t], k)); k++) {
+      if (key->kind == DECK_KEY_GROUP || key->kind == DECK_KEY_GROUPS) continue;
+      print_prefix(out, deck_tables[t]->name, strlen(deck_tables[t]->name));
+      fprintf(out, "%s\n", key->name);
+    }
+  }
+}
+
 /* --- words of other programs and of textbooks, with the keys and values that mean the same ---- */
 
 /* Words of other programs for keys and for values of choices. A word is looked up only in tables

@@ -71,7 +71,7 @@ static sd_status open_and_use(deck *d, const task *t) {
   if (!d->root) return SD_ERROR_USER;
   d->text = scanned.raw ? scanned.raw : t->text;
   for (size_t k = 0; k < t->n_settings; k++) deck_override(d, &t->settings[k]);
-  return t->use(d, t->user);
+  return deck_check_files(d, d->root) ? t->use(d, t->user) : SD_ERROR_USER;
 }
 
 static sd_status no_memory(const deck *d, sd_messages *messages) {

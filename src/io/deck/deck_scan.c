@@ -512,6 +512,10 @@ static void include_file(scanner *s) {
                     deep ? LIMIT_INCLUDE_DEPTH : LIMIT_INCLUDES,
                     deep ? "inside each other" : "are included");
     s->broken = true;
+  } else if (deck_is_outside(s->d, s->here.file, name)) {
+    deck_fail_place(s->d, s->here, "@include \"%s\": %s", deck_quote(s->d, name, strlen(name)),
+                    deck_outside);
+    s->broken = true;
   } else if (!(text = deck_read_file(s->d, file, most, s->here, "@include"))) {
     s->broken = true;
   } else if ((s->bytes += strlen(text)) > most) {
@@ -605,12 +609,6 @@ deck_text deck_scan(deck *d, const char *text, deck_place place, bool override) 
 }
 
 /* --- files ------------------------------------------------------------------------------------ */
-
-char *deck_resolve(deck *d, const char *file, const char *path) {
-  const char *slash = file ? strrchr(file, '/') : NULL;
-  if (!slash || path[0] == '/') return deck_copy(d, path, strlen(path));
-  return deck_format(d, "%.*s/%s", (int)(slash - file), file, path);
-}
 
 char *deck_read_file(deck *d, const char *path, uint64_t most, deck_place place, const char *what) {
   char *text, trouble[FILE_TROUBLE];

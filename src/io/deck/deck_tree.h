@@ -290,8 +290,18 @@ deck_text deck_scan(deck *d, const char *text, deck_place place, bool override);
  * file cannot be read; the error is reported at `place`, with `what` as the file's role. */
 char *deck_read_file(deck *d, const char *path, uint64_t most, deck_place place, const char *what);
 /* Returns a path that is written in the file `file`, relative to the folder of that file; an
- * absolute path is returned unchanged. */
+ * absolute path is returned unchanged, a path that may not be read (deck_is_outside) as "". */
 char *deck_resolve(deck *d, const char *file, const char *path);
+
+/* --- deck_confined.c -------------------------------------------------------------------------- */
+
+/* Returns true if a deck may not read the file that `file` names by `path`: it lies, with all links
+ * followed, outside of the folder in SLIPDISK_CONFINED. Without this variable all may be read. */
+bool deck_is_outside(deck *d, const char *file, const char *path);
+/* Reports every key of the deck that names a file outside. Returns false if there is one. */
+bool deck_check_files(deck *d, const deck_node *node);
+/* End of the message about a file outside. */
+extern const char deck_outside[];
 
 /* --- deck_node.c: parsing --------------------------------------------------------------------- */
 
