@@ -26,26 +26,52 @@ static bool is_result(const char *identity) {
   return strlen(identity) == 32 && strspn(identity, "0123456789abcdef") == 32;
 }
 
-/* Refuses to run because a file exists at the path of the result, which only --force replaces. */
-static sd_status refuse_existing(const session *s, const char *there, sd_messages *messages) {
-  return sd_fail(messages, SD_ERROR_USER,
-                 is_result(there)
-                     ? "%s is finished already; --force runs it again and replaces it"
-                     : "%s is there, and is damaged or no result of slipdisk; --force replaces it",
-                 s->result);
-}
-
-/* Checks that the deck stored in the checkpoint is the deck of this session. */
-static sd_status check_deck(const session *s, sd_messages *messages) {
-  const provenance *origin = &s->origin;
+/* Checks that the deck stored in a checkpoint or result is the deck of this session. what: "an
+ * unfinished run". */
+static sd_status check_deck(const session *s, const provenance *origin, const char *what,
+                            sd_messages *messages) {
   const char *full = sd_model_deck(s->model)->full;
   if (deck_same(origin->deck_full, full)) return SD_OK;
   sd_fail(messages, SD_ERROR_USER,
-          "%s is an unfinished run of another deck (started %s); --force starts over, -o writes "
-          "elsewhere",
-          s->result, origin->started);
+          "%s is %s of another deck (started %s); --force starts over, -o writes elsewhere",
+          s->result, what, origin->started);
   deck_diff(origin->deck_full, full, messages);
   return SD_ERROR_USER;
+}
+
+/* Checks that the files which the deck names are those of the run that is stored. */
+static sd_status check_files(const session *s, const provenance *origin, sd_messages *messages) {
+  if (origin->inputs == 0 || origin->inputs == provenance_inputs(s->model)) return SD_OK;
+  return sd_fail(messages, SD_ERROR_USER,
+                 "a file that the deck names, of disks or of a motion's table, is not the one that "
+                 "%s was started with; --force starts over, -o writes elsewhere",
+                 s->result);
+}
+
+/* Checks that the finished result is that of this session's deck. */
+static sd_status check_finished(const session *s, sd_messages *messages) {
+  h5_file *file = NULL;
+  provenance origin;
+  sd_status status = h5_open(s->result, &file, messages);
+  if (status != SD_OK) return status;
+  provenance_read(&origin, file);
+  status = check_deck(s, &origin, "the result", messages);
+  if (status == SD_OK) status = check_files(s, &origin, messages);
+  provenance_free(&origin);
+  h5_close(file, NULL);
+  return status;
+}
+
+/* Refuses to run because a file exists at the path of the result, which only --force replaces. */
+static sd_status refuse_existing(const session *s, const char *there, sd_messages *messages) {
+  const bool result = is_result(there);
+  const sd_status status = result ? check_finished(s, messages) : SD_OK;
+  if (status != SD_OK) return status;
+  return sd_fail(messages, SD_ERROR_USER,
+                 result
+                     ? "%s is finished already; --force runs it again and replaces it"
+                     : "%s is there, and is damaged or no result of slipdisk; --force replaces it",
+                 s->result);
 }
 
 /* Data of some disks of a checkpoint: number, radius and mass of each. */
@@ -88,20 +114,14 @@ static sd_status check_inputs(const session *s, const h5_file *file, sd_messages
   free(d.id);
   free(d.radius);
   free(d.mass);
-  if (status == SD_OK && s->origin.inputs != 0 && s->origin.inputs != provenance_inputs(s->model))
-    return sd_fail(messages, SD_ERROR_USER,
-                   "a file that the deck names, of disks or of a motion's table, is not the one "
-                   "that %s was started "
-                   "with; --force starts over, -o writes elsewhere",
-                   s->result);
-  return status;
+  return status == SD_OK ? check_files(s, &s->origin, messages) : status;
 }
 
 /* Checks deck, state and part files of a checkpoint in an open file, and stores the number of part
  * files in the session. state: receives the state if the run is in one process. */
 static sd_status read_checkpoint(session *s, const h5_file *file, const char *path,
                                  sd_state **state, sd_messages *messages) {
-  sd_status status = check_deck(s, messages);
+  sd_status status = check_deck(s, &s->origin, "an unfinished run", messages);
   if (status == SD_OK)
     status = s->options.comm ? checkpoint_check_state(file, s->model, messages)
                              : checkpoint_get_state(file, s->model, state, messages);
@@ -329,6 +349,7 @@ static sd_status find_beginning(session *s, beginning *how, sd_state **state,
     s->was_finished = s->was_finished || (status == SD_OK && s->saved_step < 0 && is_result(there));
   }
   *how = s->was_finished ? FINISHED : s->saved_step >= 0 ? AGAIN : FRESH;
+  if (status == SD_OK && *how == FINISHED) status = check_finished(s, messages);
   if (status == SD_OK && *how == FINISHED) status = folder_remove(&s->parts_folder, messages);
   if (status == SD_OK && *how == AGAIN) status = prepare_again(s, messages);
   if (status == SD_OK && *how == FRESH)

@@ -101,6 +101,11 @@ PULL = 'motions = ( { disk = "a"; coordinate = "x"; type = "velocity"; velocity 
 SHAKE = 'motions = ( { name = "s"; wall = "floor"; coordinate = "y"; type = "harmonic"; amplitude = 1e-4; omega = 100; } );\n'
 BOX = 'box = { x = (-1, 1); y = (0, 2); periodic = "x"; };\n'
 CSV = "x,y,radius\n1,1,0.1\n"
+DUMP = ("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp pp\n0 4\n0 4\n-0.5 0.5\n"
+        "ITEM: ATOMS id type x y radius\n1 1 1 1 0.1\n")
+DATA = ("LAMMPS data file\n\n1 atoms\n1 atom types\n0 4 xlo xhi\n0 4 ylo yhi\n-0.5 0.5 zlo zhi\n\nAtoms # sphere\n\n"
+        "1 1 0.2 1 1 1 0\n")
+MERCURY = "2 0 0 0 4 4\n0.1 0.2 0 0 0.1 0 0 0\n0.5 0.5 0 0 0.1 0 0 0\n"
 TABLES = {
     "Brackets, commas, quotes": [
         change("`)` of `materials` is missing", "mu = 0.5; }\n);", "mu = 0.5; }\n;"),
@@ -186,6 +191,19 @@ TABLES = {
         define("gravty.tilt=1"), define("disks.bal.radius=1"), define("gravity.tilt"),
         constant("constants.rh=3"), define("constants.radius=3"), constant("constants.rho=3"),
     ],
+    "Names of something else": [
+        changes(f"`{keys}`", ("density", 'group = "grains"; density'), more=keys + "\n" + 'clumps = ( { name = "pair"; disk = "ball"; } );\n' *
+                ("clump" not in keys) + 'fields = ( { name = "air"; type = "drag"; gamma = 1e-9; } );\n' * ("fields" not in keys))
+        for keys in ('motions = ( { disk = "floor"; coordinate = "y"; type = "velocity"; velocity = 1; } );',
+                     'motions = ( { wall = "ball"; coordinate = "y"; type = "velocity"; velocity = 1; } );',
+                     'motions = ( { clump = "grains"; coordinate = "y"; type = "velocity"; velocity = 1; } );',
+                     'forces = ( { disk = "grains"; force = (1, 0); } );', 'forces = ( { group = "ball"; force = (1, 0); } );',
+                     'clumps = ( { disk = ("ball", "rubber"); } );', 'measure = { rotation = ("air"); };',
+                     'measure = { sliding = ( { disk = "ball"; partners = ("floor", "pair"); } ); };')
+    ] + [
+        changes('`material = "floor";` of a disk', ("density", 'material = "floor"; density')),
+        phase('`motions = ("floor");` in `phases`', 'motions = ("floor");'),
+    ],
     "Periodic boxes and clumps": [
         *[cell(mistake, keys, *pairs) for mistake, keys, pairs in (
             ("`cell` and a wall", SHEAR, [("walls = ()", WALL)]),
@@ -241,6 +259,11 @@ TABLES = {
         table("`1,1,2*0.1`", "x,y,radius\n1,1,2*0.1\n"),
         table("`1,1,abc`", "x,y,radius\n1,1,abc\n"),
         table("`1,1`", "x,y,radius\n1,1\n"),
+        *[table(f"{what} called {name}", text, f'disk_files = ( {{ file = "{name}"; density = 1; }} );\n', name)
+          for what, text in (("a CSV file", CSV), ("a LAMMPS dump", DUMP), ("a LAMMPS data file", DATA), ("data of MercuryDPM", MERCURY))
+          for name in ("d.csv", "d.txt", "d.data", "d.dump", "d.xyz")
+          if not (what.startswith("a LAMMPS") and name in ("d.data", "d.dump")) and not (text == CSV and name in ("d.csv", "d.txt", "d.xyz"))],
+        table('a CSV file called d.data, `format = "lammps"`', CSV, 'disk_files = ( { file = "d.data"; format = "lammps"; density = 1; } );\n', "d.data"),
         table("a CSV file called d.h5", CSV, 'disk_files = ( { file = "d.h5"; density = 1; } );\n', "d.h5"),
     ],
     "Set-ups that are seldom meant": [

@@ -30,6 +30,17 @@ class Version(unittest.TestCase):
         numbers = [tuple(map(int, entry[:3])) for entry in entries]
         self.assertEqual(numbers, sorted(set(numbers), reverse=True))
 
+    def test_commands_of_the_pages(self):
+        """Names of packages and versions asked for, in pages and tools: slipdisk@..., slipdisk_..., slipdisk-..., find_package."""
+        name, found = re.compile(r"slipdisk(?:[@_-]|==|-v)(\d+\.\d+\.\d+)|find_package\(slipdisk (\d[\d.]*)"), 0
+        for path in (ROOT / "README.md", *(ROOT / "docs").glob("*.md"), *(ROOT / "docs/cookbook").glob("*.md"), *(ROOT / "tools").rglob("*")):
+            if not path.is_file() or path.name == "changelog.md":
+                continue
+            for match in name.finditer(path.read_text(encoding="utf-8", errors="replace")):
+                self.assertEqual(match[1] or match[2], VERSION, path)
+                found += 1
+        self.assertGreater(found, 1)
+
     def test_citation(self):
         text = (ROOT / "CITATION.cff").read_text()
         self.assertEqual(re.findall(r"^version: (\S+)", text, re.M), [VERSION])

@@ -366,9 +366,33 @@ class Stopped(Started):
         shutil.copytree(self.parts, copy)
         self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
         copy.rename(self.parts)
+        status, _, err = run("run", *self.words, "-D", "gravity.g=9", "-o", self.result)
+        self.assertEqual(status, 2, err)
+        self.assertIn("is the result of another deck", err)
         _, err = self.run_ok("run", *self.words, *SELDOM, "-o", self.result)
         self.assertIn("finished already", err)
         self.assertFalse(self.parts.exists())
+
+    def test_a_finished_result_of_another_deck_or_of_other_files_is_told(self):
+        deck = self.folder / "d.cfg"
+        rows = self.folder / "rows.csv"
+        deck.write_text('dt = 1e-3; steps = 10; materials = ( { name = "m"; k_n = 1e3; } ); disk_files = ( { file = "rows.csv"; density = 1; } );\n')
+        table = "x,y,radius\n" + "".join(f"{k},0,0.1\n" for k in range(1001))  # a shorter one is a part of the deck
+        rows.write_text(table)
+        self.run_ok("run", deck, "-o", self.result)
+        before = self.result.read_bytes()
+        for words, told in (((), ["is finished already; --force"]), (("-D", "checkpoint=7"), ["is finished already; --force"]),
+                            (("-D", "seed=2"), ["is the result of another deck", "this deck has: seed = 2"]),
+                            (("-D", "steps=20"), ["is the result of another deck", "it has: { steps = 10"])):
+            status, _, err = run("run", deck, *words, "-o", self.result)
+            self.assertEqual(status, 2, words)
+            for text in told:
+                self.assertIn(text, err)
+        rows.write_text(table.replace("0.1", "0.2"))
+        status, _, err = run("run", deck, "-o", self.result)
+        self.assertEqual((status, err.count("\n")), (2, 1), err)
+        self.assertIn("a file that the deck names", err)
+        self.assertEqual(self.result.read_bytes(), before)
 
 
 def limit_file_size(size):

@@ -47,12 +47,8 @@ static bool find_body(deck *d, const deck_node *node, bool disks, bool walls, ui
                               : deck_index_look_up(d, &d->walls, what, node, "", body));
   if (wall) *body += (uint32_t)m->n_disks;
   if (wall || !disks) return wall;
-  guess near = guess_start(name);
-  deck_index_guess(d, &d->disks, &near);
-  if (walls) deck_index_guess(d, &d->walls, &near);
-  deck_fail(d, node, "no %s is called that%s%s", what,
-            near.best ? deck_hint(d, &near) : deck_index_list(d, &d->disks),
-            near.best ? "" : remark(d));
+  deck_fail(d, node, "no %s is called that%s", what,
+            deck_index_instead(d, &d->disks, walls ? &d->walls : NULL, name, remark(d)));
   return false;
 }
 
@@ -127,11 +123,8 @@ deck_bodies deck_disks_named(deck_group *g, const char *key) {
     } else if (!name || deck_index_find(&d->disks, name, &found)) {
       if (name || find_body(d, node, true, false, &found)) add(d, &list, found);
     } else {
-      guess near = guess_start(name);
-      deck_index_guess(d, &d->disks, &near);
-      deck_index_guess(d, &d->groups, &near);
-      deck_fail(d, node, "no disk and no group of disks is called that%s%s", deck_hint(d, &near),
-                near.best ? "" : remark(d));
+      deck_fail(d, node, "no disk and no group of disks is called that%s",
+                deck_index_instead(d, &d->disks, &d->groups, name, remark(d)));
     }
   }
   return list;

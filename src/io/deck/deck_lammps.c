@@ -187,9 +187,15 @@ static bool open_file(lammps *in, deck *d, const deck_node *file, long long step
     return false;
   }
   if (!more || in->announced < 0) {
-    deck_fail(d, file,
-              "this is no LAMMPS data file or dump: expected a header with the number of atoms and "
-              "sections, or ITEM: TIMESTEP");
+    const deck_node *format = deck_child(file->parent, "format");
+    deck_fail(
+        d, file,
+        "this is no LAMMPS data file or dump%s: expected a header with the number of atoms and "
+        "sections, or ITEM: TIMESTEP",
+        format && format->defaulted
+            ? ", which its name stands for (a table with a line of names needs "
+              "format = \"csv\")"
+            : "");
     return false;
   }
   return true;

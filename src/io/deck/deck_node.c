@@ -381,14 +381,29 @@ const char *deck_hint(deck *d, const guess *g) {
   return g->best ? deck_format(d, "; did you mean \"%s\"?", g->best) : "";
 }
 
+const char *deck_index_instead(deck *d, const deck_index *x, const deck_index *more,
+                               const char *name, const char *remark) {
+  const struct {
+    const deck_index *index;
+    const char *what;
+  } all[] = {{&d->disks, "disk"},   {&d->walls, "wall"},         {&d->groups, "group of disks"},
+             {&d->clumps, "clump"}, {&d->materials, "material"}, {&d->motions, "motion"},
+             {&d->fields, "field"}};
+  uint32_t number;
+  for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+    if (deck_index_find(all[k].index, name, &number))
+      return deck_format(d, "; it is the name of a %s", all[k].what);
+  guess near = guess_start(name);
+  deck_index_guess(d, x, &near);
+  if (more) deck_index_guess(d, more, &near);
+  return near.best ? deck_hint(d, &near) : deck_format(d, "%s%s", deck_index_list(d, x), remark);
+}
+
 bool deck_index_look_up(deck *d, const deck_index *x, const char *what, const deck_node *node,
                         const char *remark, uint32_t *number) {
   const char *name = node->type == DECK_STRING ? node->value.text : "";
   if (deck_index_find(x, name, number)) return true;
-  guess near = guess_start(name);
-  deck_index_guess(d, x, &near);
-  deck_fail(d, node, "no %s is called that%s%s", what,
-            near.best ? deck_hint(d, &near) : deck_index_list(d, x), near.best ? "" : remark);
+  deck_fail(d, node, "no %s is called that%s", what, deck_index_instead(d, x, NULL, name, remark));
   return false;
 }
 

@@ -22,6 +22,7 @@ typedef struct csv {
   char *p;
   deck_place here;
   char separator; /* Character between values; 0 before the line of names is read */
+  bool lammps;    /* True if the file begins like one of LAMMPS */
   size_t n_fields, capacity;
   char **field; /* [n_fields]: values of the current line */
 } csv;
@@ -99,6 +100,8 @@ static bool csv_open(csv *in, deck *d, const deck_node *file) {
   in->p = deck_read_file(d, path, (uint64_t)LIMIT_TABLE * LIMIT_MIB, file->place, "file");
   if (!in->p) return false;
   if (strncmp(in->p, "\xef\xbb\xbf", 3) == 0) in->p += 3; /* Skips the byte order mark of UTF-8 */
+  in->lammps = strncmp(in->p, "ITEM:", 5) == 0 ||
+               memmem(in->p, strnlen(in->p, LIMIT_LINE), "xlo xhi", 7) != NULL;
   for (char *c = strchr(in->p, '\n') ? NULL : in->p; c && (c = strchr(c, '\r'));) *c = '\n';
   size_t before = d->reported;
   bool line = csv_line(in), good = line && in->n_fields <= LIMIT_COLUMNS && d->reported == before;
@@ -181,9 +184,10 @@ static bool take_all_columns(csv *in, deck_columns *t) {
   if (number || in->n_fields == 1) {
     deck_fail_place(d, in->here,
                     "the first line is %s%s; expected the names of the columns, with commas "
-                    "between: x, y, radius, ...",
+                    "between: x, y, radius, ...%s",
                     deck_quote(d, in->field[0], strlen(in->field[0])),
-                    in->n_fields > 1 ? ", ..." : "");
+                    in->n_fields > 1 ? ", ..." : "",
+                    in->lammps ? "; files of LAMMPS need format = \"lammps\"" : "");
     return false;
   }
   for (size_t k = 0; k < in->n_fields; k++) {

@@ -260,9 +260,13 @@ bool deck_index_find(const deck_index *x, const char *name, uint32_t *number);
 /* Adds a name with a number. Returns false, without a change, if the name has a number already. The
  * name is not copied. */
 bool deck_index_add(deck *d, deck_index *x, const char *name, uint32_t number);
+/* Returns what a message adds about a name that is not in the index, nor in another one that would
+ * do (`more`; NULL: none): what else has this name, or the most similar name, or the names of the
+ * first index, if they are few, and `remark`. */
+const char *deck_index_instead(deck *d, const deck_index *x, const deck_index *more,
+                               const char *name, const char *remark);
 /* Finds the number of the name that the node holds. If it is unknown, returns false and reports "no
- * `what` is called that", with the most similar name; if none is similar, with the names that
- * exist, if they are few, and `remark`. */
+ * `what` is called that", with deck_index_instead. */
 bool deck_index_look_up(deck *d, const deck_index *x, const char *what, const deck_node *node,
                         const char *remark, uint32_t *number);
 /* Returns "; there are "a" and "b"" with all names of the index if they are few, else "". */
