@@ -14,6 +14,7 @@ readers do not see, say what is to be found:
     <!-- test: 0.4 < peak < 0.5 -->  a number that the last block has printed behind this word
     <!-- test: made tilt.png -->   a file that is there now, and was not when the page began
     <!-- test: says TEXT -->       the last block has printed this
+    <!-- test: shown -->           the block below consists of lines that the last block has printed
 
     tests/docs/test_cookbook.py [PAGE ...]    some pages; --write puts the files into the pages; --full
                                               leaves nothing shorter
@@ -74,7 +75,7 @@ class Page:
             shutil.copy(ROOT / "tools/cluster/sweep.sbatch", self.folder)
         self.there = {p.name for p in self.folder.rglob("*")}
         self.goes_on = ""  # a reader of README.md types all its blocks into one shell
-        self.printed, self.pending, self.found, self.seconds, self.left_out = "", {}, 0, 0.0, False
+        self.printed, self.pending, self.found, self.seconds, self.left_out, self.shown = "", {}, 0, 0.0, False, False
 
     def remark(self, value):
         limits = RANGE.fullmatch(value)
@@ -83,6 +84,8 @@ class Page:
             self.pending[word] = rest
         elif self.left_out:
             return
+        elif value == "shown":
+            self.shown = True
         elif limits:
             low, name, high = limits.groups()
             seen = re.search(rf"{re.escape(name)}\s+[=:]?\s*({NUMBER})", self.printed)
@@ -127,6 +130,17 @@ class Page:
         elif body != (COOKBOOK / value).read_text():
             raise Wrong(f"{value} is not inputs/cookbook/{value}; give --write")
 
+    def compare(self, body):
+        """Lines of a page are among those that the last block has printed, up to blanks and the speed of the machine."""
+        self.shown = False
+        if self.left_out:
+            return
+        printed = {" ".join(line.split()) for line in self.printed.splitlines()}
+        for line in body.splitlines():
+            if " ".join(line.split()) not in printed and not line.startswith("# run time"):
+                raise Wrong(f"{line!r} is not in\n{self.printed}")
+        self.found += 1
+
     def follow(self):
         pending = None
         for piece in PIECE.finditer(self.path.read_text(encoding="utf-8")):
@@ -141,6 +155,8 @@ class Page:
                     pending = None
                 elif piece["kind"] == "sh":
                     self.run(piece["body"])
+                elif self.shown:
+                    self.compare(piece["body"])
             except Wrong as wrong:
                 raise Wrong(f"{self.path.relative_to(ROOT)}:{line}: {wrong}") from None
 
