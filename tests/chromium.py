@@ -9,6 +9,30 @@ def missing(*modules):
     return names + [name for name in ("chromium", "chromedriver") if shutil.which(name) is None]
 
 
+def spills(driver, width, height=700):
+    """What reaches beyond the part of the page that it is in, at this width of the window; canvases without a name."""
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False})
+    return driver.execute_async_script("""const done = arguments[0], parts = "header, footer, #tools, #legend, #key, #strip, aside";
+      const look = () => {
+        const found = document.documentElement.scrollWidth > innerWidth ? [`the page, ${document.documentElement.scrollWidth}`] : [];
+        for (const part of document.querySelectorAll(parts)) {
+          const box = part.getBoundingClientRect();
+          for (const one of part.querySelectorAll(":scope *:not(svg *)")) {
+            const at = one.getBoundingClientRect();
+            if (at.width > 0 && at.height > 0 && (at.right > box.right + 0.6 || at.left < box.left - 0.6))
+              found.push(`${one.tagName}#${one.id} ${at.left}..${at.right} in ${part.tagName}#${part.id} ${box.left}..${box.right}`);
+          }
+        }
+        for (const canvas of document.querySelectorAll("canvas"))
+          if (canvas.getAttribute("role") !== "img" || !canvas.getAttribute("aria-label")) found.push(`a canvas without a name`);
+        return found;
+      };
+      /* plots follow the width some frames later */
+      let left = 20;
+      const again = () => { const found = look(); if (found.length === 0 || left-- === 0) done(found); else requestAnimationFrame(again); };
+      requestAnimationFrame(again);""")
+
+
 def browser():
     """Chromium that reaches no network, and tells what pages ask for."""
     from selenium import webdriver

@@ -11,7 +11,7 @@ import tempfile
 import time
 import unittest
 
-from chromium import browser, missing
+from chromium import browser, missing, spills
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
@@ -243,8 +243,8 @@ class Packing(Pages):
         self.wait("the end of the pull", lambda s: s["grabbed"] == -1)
 
     def test_narrow_screens(self):
-        self.screen(360, 640)
         for page in "ratchet.html", "packing.html":
+            self.screen(360, 640)
             self.open(page)
             self.assertLessEqual(self.run_js("return document.documentElement.scrollWidth"), 360, page)
             for element in "play", "copy-deck", "copy-link":
@@ -253,6 +253,18 @@ class Packing(Pages):
                 self.assertLessEqual(box["right"], 360)
                 self.assertGreater(box["width"], 20)
             self.shot(f"narrow-{page.removesuffix('.html')}")
+            for width in (300, 360, 480, 700, 820, 860, 1280):
+                self.assertEqual(spills(self.driver, width), [], (page, width))
+
+    def test_nothing_stands_on_the_picture_but_the_buttons_of_the_zoom(self):
+        """No wall, disk or force can cross the legend, the scale or the arrow of gravity."""
+        for page in "ratchet.html", "packing.html":
+            self.open(page)
+            over = self.run_js("""const view = document.getElementById("view").getBoundingClientRect();
+              return ["key", "meter", "gravity", "scale", "legend", "configurations", "zoom"].filter((id) => {
+                const box = document.getElementById(id)?.getBoundingClientRect();
+                return box && box.width > 0 && box.bottom > view.top + 0.5 && box.top < view.bottom - 0.5; })""")
+            self.assertEqual(over, ["zoom"])
 
     def test_size(self):
         for page in "ratchet.html", "packing.html":

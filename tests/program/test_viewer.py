@@ -14,7 +14,7 @@ import unittest
 
 import h5py
 import numpy
-from chromium import browser, missing
+from chromium import browser, missing, spills
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
@@ -384,12 +384,23 @@ class Viewer(unittest.TestCase):
             self.assertGreater((high - low) / max(abs(low), abs(high)), 1e-7)
         self.picture("rest")
 
+    def test_nothing_reaches_beyond_its_part_of_the_page(self):
+        """In frames of any width, as notebooks have them; every canvas has a name."""
+        self.look("drum.html")
+        for width in (300, 360, 480, 600, 820, *range(821, 940, 17), 1280):
+            self.assertEqual(spills(self.driver, width), [], width)
+        self.assertGreater(self.script("return document.querySelectorAll('aside canvas').length"), 2)
+
     def test_dark_narrow_and_dialogs(self):
         self.look("drum.html", scheme="dark")
         self.assertEqual(self.state("theme"), "dark")
         self.assertLess(self.picture("drum-dark")[5, 5].max(), 40)
+        bars = "return getComputedStyle(document.getElementById('legend-gradient')).backgroundImage"
+        dark, of_dark = self.script(bars), self.picture()
         self.keys("d")
         self.assertGreater(self.picture()[5, 5].min(), 240)
+        self.assertNotEqual(self.script(bars), dark)
+        self.assertFalse((self.picture() == of_dark).all(axis=2).mean() > 0.5, "disks keep the colours of the other theme")
         self.keys("?")
         self.assertIn("play or pause", self.text("help-dialog"))
         self.picture("help")

@@ -134,7 +134,7 @@ class PackingPage {
     this.chosen = key;
     this.range = null;
     byId("quantity").value = key;
-    byId("legend-gradient").style.background = paletteGradient(signed ? "diverging" : "sequential");
+    paintGradient(byId("legend-gradient"), signed ? "diverging" : "sequential");
     const unit = quantity.unit ? ` (${quantity.unit})` : "";
     byId("legend-title").textContent = `${quantity.symbol}${unit}`;
     const colours = new Float32Array(driven.length);

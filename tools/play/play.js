@@ -210,7 +210,7 @@ class Play {
   }
 
   setTheme(theme) {
-    document.documentElement.dataset.theme = theme;
+    showTheme(theme, this.stage.renderer);
     this.page.redraw?.();
     this.stage.draw();
   }

@@ -84,8 +84,7 @@ class Stage {
 
   fit() {
     this.untouched = true;
-    const low = this.camera.height < 420;
-    this.camera.fit(this.bounds, low ? [12, 12, 12, 12] : [24, 20, 24, 24]);
+    this.camera.fit(this.bounds, [12, 8, 12, 8]);
     this.draw();
   }
 

@@ -153,6 +153,9 @@ bool file_is_folder(const char *path);
 char *file_hint(const char *path);
 /* Returns true if path is a symbolic link. */
 bool file_is_link(const char *path);
+/* Returns true if a file lies in a folder or deeper, all links followed. A file that does not exist
+ * lies where the deepest folder on the way to it lies. */
+bool file_is_within(const char *path, const char *folder);
 /* Returns true if path is a device, a pipe or a socket, which a file never replaces. */
 bool file_is_special(const char *path);
 /* Returns the size of a file in bytes; 0: there is none. */

@@ -342,7 +342,7 @@ class Controls {
       });
       byId("legend-names").replaceChildren(...items);
     } else {
-      byId("legend-gradient").style.background = paletteGradient(q.kind === "signed" ? "diverging" : "sequential");
+      paintGradient(byId("legend-gradient"), q.kind === "signed" ? "diverging" : "sequential");
       const beyond = viewer.clipped ? ["≤ ", "", "≥ "] : ["", "", ""];
       if (q.kind !== "signed") beyond[0] = "";
       byId("legend-numbers").replaceChildren(...[low, (low + high) / 2, high].map((v, k) => element("span", beyond[k] + formatNumber(v, 3))));

@@ -236,6 +236,7 @@ class Renderer {
   }
 
   palette(name) {
+    this.shown = name;
     const gl = this.gl, filter = name === "categorical" ? gl.NEAREST : gl.LINEAR;
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, paletteBytes(name));

@@ -1,14 +1,22 @@
 /* palette.js: colours that stay apart for colour-blind eyes. Anchors in sRGB, equally spaced. */
 "use strict";
 
+/* Each theme has its own, whose ends stand out from its ground (contrast 3 or more, test_viewer.py). */
 const PALETTES = {
-  /* magnitudes: viridis */
-  sequential: ("440154 48186a 472d7b 424086 3b528b 33638d 2c728e 26828e 21918c 1fa088 28ae80 3fbc73 5ec962 84d44b " +
-    "addc30 d8e219 fde725").split(" "),
-  /* signed quantities: blue, grey, orange */
-  diverging: "0b3c7d 2a62ab 5a8fcb 95b9de c9d7e4 e6e4df ecd0b0 e4ad72 d18339 ab5a13 7a3705".split(" "),
-  /* names: Okabe and Ito */
-  categorical: "0072b2 e69f00 009e73 cc79a7 56b4e9 d55e00 b8a900 7f7f7f".split(" "),
+  light: {
+    /* magnitudes: viridis up to 0.55 */
+    sequential: "440154 471164 482173 46307e 433e85 3e4c8a 38598c 32658e 2d708e 297b8e 24868e 20928c 1e9c89".split(" "),
+    /* signed quantities: blue, grey, orange */
+    diverging: "0b3c7d 2a62ab 5a8fcb 95b9de c9d7e4 e6e4df ecd0b0 e4ad72 d18339 ab5a13 7a3705".split(" "),
+    /* names: Okabe and Ito */
+    categorical: "0072b2 e69f00 009e73 cc79a7 56b4e9 d55e00 b8a900 7f7f7f".split(" "),
+  },
+  dark: {
+    /* magnitudes: viridis from 0.4 on */
+    sequential: "2a788e 25848e 21918c 1e9c89 22a884 2fb47c 44bf70 5ec962 7ad151 9bd93c bddf26 dfe318 fde725".split(" "),
+    diverging: "a6d5ff 7fb9f2 5f9cd8 4f83b8 587694 6b7178 88735a a8783f d08a3c eda557 ffc88a".split(" "),
+    categorical: "0072b2 e69f00 009e73 cc79a7 56b4e9 d55e00 b8a900 7f7f7f".split(" "),
+  },
 };
 
 /* Colours of the picture beside those of the disks, red, green, blue. */
@@ -29,9 +37,14 @@ function rgbOfHex(hex) {
   return [0, 2, 4].map((k) => parseInt(hex.slice(k, k + 2), 16));
 }
 
+/* Anchors of a palette in the theme that is shown. */
+function paletteAnchors(name) {
+  return (PALETTES[document.documentElement.dataset.theme] ?? PALETTES.light)[name];
+}
+
 /* RGBA of 256 colours; a categorical palette begins anew at its end. */
 function paletteBytes(name) {
-  const anchors = PALETTES[name].map(rgbOfHex);
+  const anchors = paletteAnchors(name).map(rgbOfHex);
   const bytes = new Uint8Array(256 * 4);
   for (let k = 0; k < 256; k++) {
     const at = name === "categorical" ? k % anchors.length : (k / 255) * (anchors.length - 1);
@@ -43,10 +56,20 @@ function paletteBytes(name) {
   return bytes;
 }
 
-function paletteGradient(name) {
-  return `linear-gradient(to right, ${PALETTES[name].map((hex) => "#" + hex).join(", ")})`;
+/* Fills the bar of a legend. */
+function paintGradient(bar, name) {
+  bar.dataset.palette = name;
+  bar.style.background = `linear-gradient(to right, ${paletteAnchors(name).map((hex) => "#" + hex).join(", ")})`;
 }
 
 function categoryColor(k) {
-  return "#" + PALETTES.categorical[k % PALETTES.categorical.length];
+  const anchors = paletteAnchors("categorical");
+  return "#" + anchors[k % anchors.length];
+}
+
+/* Sets the theme, with the palettes of the picture and of the legends. */
+function showTheme(theme, renderer) {
+  document.documentElement.dataset.theme = theme;
+  if (renderer.shown) renderer.palette(renderer.shown);
+  for (const bar of document.querySelectorAll("[data-palette]")) paintGradient(bar, bar.dataset.palette);
 }

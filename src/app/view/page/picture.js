@@ -22,7 +22,7 @@ function drawStrip(ctx, viewer, top, width) {
       left += 29 + ctx.measureText(item.textContent).width;
     }
   } else {
-    const bar = 210, hues = PALETTES[quantity.kind === "signed" ? "diverging" : "sequential"];
+    const bar = 210, hues = paletteAnchors(quantity.kind === "signed" ? "diverging" : "sequential");
     const gradient = ctx.createLinearGradient(x, 0, x + bar, 0);
     hues.forEach((hex, k) => gradient.addColorStop(k / (hues.length - 1), "#" + hex));
     ctx.fillStyle = gradient;

@@ -41,6 +41,8 @@ class Plot {
       hooks: { draw: [() => this.place()], setSize: [() => this.place()] },
     };
     this.plot = new uPlot(options, data, parent);
+    this.plot.ctx.canvas.setAttribute("role", "img");
+    this.plot.ctx.canvas.setAttribute("aria-label", `${lines.map((line) => line.label).join(", ")} against time`);
     this.plot.over.append(this.marker);
     this.plot.over.addEventListener("click", (event) => {
       const box = this.plot.over.getBoundingClientRect();

@@ -127,7 +127,7 @@ class Viewer {
 
   setTheme(theme) {
     this.theme = theme;
-    document.documentElement.dataset.theme = theme;
+    showTheme(theme, this.renderer);
     this.contentChanged = true;
     this.plots.redraw();
     this.panel.redraw();
