@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Tries to make slipdisk lose or falsify a result, and counts what happened.
 #
-#   tools/soak.sh                     all modes at the small sizes that CI runs (10 minutes on two cores)
+#   tools/soak.sh                     all modes at small sizes (a quarter of an hour on two cores)
 #   tools/soak.sh --size full         all modes at the sizes of docs/reliability.md (hours)
 #   tools/soak.sh kill faults         only these modes; --list names them all
 #   tools/soak.sh --help              all options: --size, --seed, -o DIR, --program FILE, --keep DIR

@@ -1,20 +1,19 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds and runs all tests:
-#   1. packages             4. sanitizers (dev preset): build and tests
-#   2. formatting           5. clang: build without warnings
-#   3. lint                 6. release build with gcc: all tests
-#                           7. build with MPI: the tests that start several ranks
-# With CI=true also: the tests labelled "long", soak (tools/soak.sh at its small sizes), coverage
-# (lines and branches reached, room by room), the tests labelled "slow", which have 25 minutes, and the
-# long tests with sanitizers, which the release build tries in any case. Of these last three parts none
-# begins when 33 minutes have passed, and soak does not after 50: on slow machines they are left out, which
-# is said.
+# Installs what is missing, builds, and runs the tests.
 #
-#   tools/test.sh           everything
-#   tools/test.sh --quick   packages and the release build's tests only
-#   tools/test.sh PART...   some parts: packages format lint dev tsan clang release soak coverage mpi slow dev-long play arm
-# Part play compiles the engine for browsers and runs its tests; it is in no other list, since emscripten is large. Nor is part
-# arm, which runs the golden decks for another processor in an emulator.
+#   tools/test.sh           packages, the release build, and its tests but the longest: about ten minutes on two cores
+#   tools/test.sh --all     everything that continuous integration runs (CI=true does the same)
+#   tools/test.sh PART...   some parts
+#
+# Parts of --all, in this order:
+#   packages   what is missing is installed       clang     clang builds without a warning
+#   format     as .clang-format wants it          release   the release build: all tests
+#   lint       clang-tidy, and tools/lint.py      mpi       a build with MPI: the tests that start several ranks
+#   dev        address and undefined-behaviour sanitizers: tests but the longest
+# Parts that are run by hand: dev-long (the longest tests with sanitizers), slow (tests that take minutes), tsan (thread sanitizer),
+# soak (tools/soak.sh at its small sizes), coverage (lines and branches reached, room by room), play (the engine for browsers),
+# arm (the golden decks on aarch64).
+#
 # Stops at the first part that fails. Run it as often as you like: what ccache and lint have seen goes quickly. The parts
 # say at the end how long they took, and how much processor time.
 set -euo pipefail
@@ -95,23 +94,21 @@ part() {
 }
 
 parts=("$@")
-if [ $# -eq 0 ]; then
+if [ "${1:-}" = --all ] || { [ $# -eq 0 ] && [ "${CI:-}" = true ]; }; then
+  quick=
   parts=(packages format lint dev clang release mpi)
-  if [ "${CI:-}" = true ]; then parts+=(soak slow coverage dev-long); fi
-elif [ "$1" = --quick ]; then
+elif [ $# -eq 0 ]; then
   parts=(packages release)
 fi
-# Minutes after which a part that takes long is not begun
-declare -A latest=([soak]=50 [slow]=33 [coverage]=33 [dev-long]=33)
 costs=()
 for name in "${parts[@]}"; do
-  if [ $# -eq 0 ] && ((SECONDS > 60 * ${latest[$name]:-1000})); then
-    costs+=("$name is left out: ${latest[$name]} minutes have passed")
-    continue
-  fi
   began=$SECONDS before=$(processor)
   part "$name"
   costs+=("$(printf '%-10s %5d s, %5d s of processors' "$name" $((SECONDS - began)) $(($(processor) - before)))")
 done
 say "All parts"
 printf '%s\n' "${costs[@]}"
+if [ $# -eq 0 ] && [ "$quick" ]; then
+  echo "Left out: format, lint, sanitizers, clang, MPI and the $(ctest --preset release -N -L '^long$' | sed -n 's/^Total Tests: //p') \
+longest tests (tools/test.sh --all)."
+fi

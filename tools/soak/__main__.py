@@ -25,6 +25,7 @@ MODES = {
     "altered": "files with other bytes than those that were written, and files of other versions",
     "fuzz": "damaged decks, -D, CSV, LAMMPS and HDF5 under sanitizers (needs clang)",
     "relations": "decks at random: mirrors, turns, shifts, frames, orders, restarts, shapes of a wall, balance of forces",
+    "crossing": "every feature of decks in every way to run: threads, widths, windows, lanes, ranks, saved, copied, rebuilt",
     "coverage": "lines and branches of src/ that tests and faults reach, room by room",
 }
 
