@@ -21,6 +21,7 @@
 
 #define SCRATCH_NAME "large"
 #include "scratch_file.h"
+#include "slipdisk/deck.h"
 
 /* Doubles whose lower six bytes are noise, as those of positions are. */
 static double *noise(size_t n) {
@@ -274,6 +275,7 @@ static void test_reseal(void **unused) {
 }
 
 int main(void) {
+  sd_set_program(SLIPDISK_PROGRAM); /* which tries to read small data before they are read here */
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_rows),         cmocka_unit_test(test_slow_frames),
       cmocka_unit_test(test_result_seals), cmocka_unit_test(test_missing_rows),
