@@ -222,14 +222,14 @@ static void derive(sd_model *m, sd_clump *c, member *of) {
   double(*offset)[2] = m->clump_offsets + (c->disks - m->clump_disks), inertia = 0.0, centre[2];
   for (size_t n = 0; n < c->n_disks; n++) of[n].disk = c->disks[n];
   place_all(m, of, c->n_disks);
-  double mass = measure(m, c, of, offset, centre);
+  const double mass = measure(m, c, of, offset, centre);
   if (c->mass == 0.0) c->mass = mass;
   if (fabs(c->mass - mass) > 1e-12 * mass) {
     for (size_t n = 0; n < c->n_disks; n++) {
       m->disks[c->disks[n]].mass *= c->mass / mass;
       m->disks[c->disks[n]].inertia *= c->mass / mass;
     }
-    mass = measure(m, c, of, offset, centre);
+    measure(m, c, of, offset, centre);
   }
   for (size_t n = 0; n < c->n_disks; n++) {
     const sd_disk *d = &m->disks[c->disks[n]];
