@@ -16,7 +16,7 @@ sys.dont_write_bytecode = True
 
 from relations import crossing, decks  # noqa: E402
 
-PER_FEATURE = 2  # decks; an even and an odd one, since every second deck is run by several threads, too
+PER_FEATURE = 4 if os.environ.get("CI") == "true" else 2  # decks
 
 # Read or written, or only names: nothing of the motion depends on them.
 NOT_MOTION = {"deck:title", "deck:checkpoint", "deck:output", "deck:sweep", "deck:constants", "phases:name", "phases:frames",
