@@ -310,7 +310,7 @@ class Reading(unittest.TestCase):
         self.assertEqual(slipdisk.mean(4 * y, over=y).error, 0)
         self.assertAlmostEqual(slipdisk.mean(y, over=np.ones(40_000)).error, slipdisk.mean(y).error, 12)
         for x, over in ((y, y[1:]), ([[1.0]], None), (y, [[1.0]])):
-            with self.assertRaisesRegex(slipdisk.UserError, "expected one record, one-dimensional"):
+            with self.assertRaisesRegex(slipdisk.UserError, r"mean: (x|over): expected \(\w+,\), got"):
                 slipdisk.mean(x, over=over)
         self.assertTrue(np.isnan(slipdisk.mean([], over=[]).mean))
 
@@ -542,7 +542,7 @@ class Errors(unittest.TestCase):
                 ("did you mean", lambda: s.set("velocty", 1, 0)), ("fixed or driven", lambda: s.set("vx", 1, 1)),
                 ("did you mean 'upper'", lambda: s.set("vx", 1, "uper")), ("no material is called 'x'", lambda: s.set("law.mu", 1, "x")),
                 ("no motion is called 'x'", lambda: s.set("motion.amplitude", 1, "x")), ("last argument", lambda: s.set("law.mu", 1)),
-                ("2 values: expected 1, or 3", lambda: s.set("vx", [1, 2])), ("expected numbers", lambda: s.set("vx", "a", 0)),
+                (r"expected one number or \(3,\), got \(2,\)", lambda: s.set("vx", [1, 2])), ("expected numbers", lambda: s.set("vx", "a", 0)),
                 ("fixed or driven", lambda: s.disks.__setitem__("vx", 3.0)), ("what can be set", lambda: s.disks.__setitem__("force_x", 3.0)),
                 ("walls cannot be set", lambda: s.walls.__setitem__("x", 3.0)), ("whole number", lambda: s.set("vx", 1, 0.5)),
                 ("expected a number of at most 1e100", lambda: s.set("vx", np.nan, 0)), ("max_overlap", lambda: s.set("radius", 3, 0))):

@@ -208,7 +208,7 @@ class Moments(unittest.TestCase):
         """What a force keeps of its columns holds add_disks up; afterwards disks come."""
         for keep in (lambda c: c.force_x, lambda c: c.x[2:], lambda c: c, lambda c: c.torque.reshape(3, 3)):
             s, kept = made(), []
-            s.add_force(lambda c: kept or kept.append(keep(c)))
+            s.add_force(lambda c: kept.append(keep(c)) if not kept else None)
             s.advance(3)
             with self.assertRaises(BufferError):
                 s.add_disks(x=9, y=900, radius=0.1, mass=1)
@@ -243,7 +243,7 @@ class Arguments(unittest.TestCase):
                 "radius": (1e300, nan, 0, -1, [1, 2]), "mass": (nan, -1, 0, 1e300), "vx": (1e200, nan), "omega": (inf,),
                 "material": (0.7, 1, -1, 2**32, nan, "grain"), "inertia": (-1, nan), "torque": (nan,), "force_x": (inf,),
                 "colour": (1,)}.items() for v in values if not (key == "radius" and isinstance(v, list))},
-            "lengths": (lambda: s.add_disks(x=[1, 2], y=[900, 901, 902], radius=0.1, mass=1), "values"),
+            "lengths": (lambda: s.add_disks(x=[1, 2], y=[900, 901, 902], radius=0.1, mass=1), "differ in length"),
             "mass and density": (lambda: s.add_disks(**disk, density=1), "mass or density"),
             "on another": (lambda: s.add_disks(**{**disk, "x": 3.0, "y": 0.0}), "same centre"),
             "deep in another": (lambda: s.add_disks(**{**disk, "x": 3.0, "y": 0.1}), "overlap by"),
@@ -257,7 +257,7 @@ class Arguments(unittest.TestCase):
                     call()
         self.assertEqual(s.hash(), before)
         s.remove_disks(np.array([3], np.int8))
-        self.assertEqual(s.add_disks(x=np.float32([9, 11])[::-1], y=np.array([900]), radius=0.1, density=1).tolist(), [9, 10])
+        self.assertEqual(s.add_disks(x=np.float32([9, 11])[::-1], y=np.array(900), radius=0.1, density=1).tolist(), [9, 10])
         self.assertEqual(s.disks["x"][9:].tolist(), [11, 9])
         s.advance(3)
 

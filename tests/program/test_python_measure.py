@@ -170,7 +170,7 @@ class Measure(results_common.Folder):
                            (lambda: sim.measure(region=[0, 1, 2, 3, 4]), "measure: region = [0, 1, 2, 3, 4]: expected x0, x1, y0, y1"),
                            (lambda: sim.measure(region="walls"), "measure: region = 'walls': expected x0, x1, y0, y1"),
                            (lambda: sim.measure(region=(1, 0, 0, 1)), "region = 1, 0, 0, 1: expected x0, x1, y0, y1 with x0 < x1"),
-                           (lambda: sim.measure(region=(0, np.inf, 0, 1)), "region = 0, inf, 0, 1: expected"),
+                           (lambda: sim.measure(region=(0, np.inf, 0, 1)), "region = (0, inf, 0, 1): expected x0, x1"),
                            (lambda: sim.measure(region=(0, 1, 0, 1)), "a region of a sheared box is not measured"),
                            (lambda: result.measure(99), "measure: frame = 99: expected -"),
                            (lambda: result.measure(1.5), "measure: frame = 1.5: expected a whole number"),

@@ -7,15 +7,17 @@ Sweep        tables and points of a sweep
 Measurement  a packing at one moment: contacts, packing fractions, stress, fabric, g(r), forces
 mean         mean of a correlated record, with its error
 plot, film   pictures and films, docs/plots.md
-Error        what all errors derive from: UserError, NumericError, FileError, Interrupted, MissingPackage
+Error        what all errors derive from: UserError (UnknownName, ReadOnly),
+             NumericError, FileError, Interrupted, MissingPackage
 """
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 from .deck import deck_text
-from .library import (Error, FileError, Interrupted, MissingPackage, NumericError, Record, UnknownName, UserError, Warning, mean)
-from .measure import Measurement
+from .library import (Error, FileError, Interrupted, MissingPackage, NumericError, ReadOnly, Record, UnknownName, UserError,
+                      Warning)
+from .measure import Measurement, mean
 from .program import info, run, sweep
 from .result import Result
 from .simulation import Simulation
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from . import film as film
     from . import plot as plot
 
-__all__ = ["Error", "FileError", "Interrupted", "Measurement", "MissingPackage", "NumericError", "Record", "Result", "Simulation", "Sweep", "UnknownName",
+__all__ = ["Error", "FileError", "Interrupted", "Measurement", "MissingPackage", "NumericError", "ReadOnly", "Record", "Result", "Simulation", "Sweep", "UnknownName",
            "UserError",
            "Warning", "__version__", "deck_text", "info", "inputs", "mean", "run", "sweep", "version"]
 

@@ -3,17 +3,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from ctypes import byref
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import library as lib
-from .library import UserError, library
-from .tables import Named
+from .arguments import Fixed, array
+from .library import ReadOnly, library
+from .tables import Named, copied
 
 BODIES = lib.PER_BODY, lib.PER_FREE, lib.PER_FIELDED, lib.PER_CELL_DISK, lib.PER_LAW_FREE
 LASTING = *BODIES, lib.PER_CLUMP  # their columns stay where they are
+ADDED = "force_x", "force_y", "torque"  # what forces add to
 SETTABLE = "x", "y", "angle", "vx", "vy", "omega", "radius", "mass", "inertia"  # of disks
 
 
@@ -35,12 +37,13 @@ class Columns(Named[NDArray[Any]]):
     """Columns of a simulation by name, in the order of slots; `unit` and `meaning` of each; those of one length as `array()`,
     `pandas()`, `xarray()`."""
     _dimension = "slot"
+    _items = "a view of the state; sim.disks[name] = values, or sim.set(name, values, disks), changes the simulation"
 
     def __init__(self, simulation):
         self._simulation = simulation
 
     def _field(self, name):
-        field = library().fields.get(name)
+        field = library().fields.get(name) if isinstance(name, str) else None
         if field is None:
             raise lib.unknown(name, list(self), "the columns of a simulation")
         return field
@@ -48,12 +51,12 @@ class Columns(Named[NDArray[Any]]):
     def _array(self, state, field):
         handle = self._simulation._handle
         n = handle.library.sd_extent_size(state, field.extent)
-        array = view(handle, handle.library.sd_field_data(state, byref(field)), n, lib.TYPES[field.type])
+        found = view(handle, handle.library.sd_field_data(state, byref(field)), n, lib.TYPES[field.type])
         if field.extent not in LASTING:
-            return array.copy()  # does not stay where it is
-        if array.base is not None:
-            handle.views.add(array.base)
-        return array
+            return copied(found.copy())  # does not stay where it is
+        if found.base is not None:
+            handle.views.add(found.base)
+        return found
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         field = self._field(name)
@@ -74,26 +77,6 @@ class Columns(Named[NDArray[Any]]):
         return self._field(name).meaning.decode()
 
 
-class Copied(np.ndarray):
-    """A copy of a column. Writing to an element is refused, since it would not reach the simulation; `x = x + 1`,
-    `x += 1` and x.copy() make ordinary arrays."""
-
-    def __setitem__(self, key, value):
-        if not self.flags.writeable:
-            raise UserError("this array is a copy: to change the simulation, assign a whole column, sim.disks[name] = values, "
-                            "or call sim.set(name, values, disks); to change the copy, take a copy() of it")
-        super().__setitem__(key, value)
-
-
-def in_place(name):
-    """An operator like += that leaves a copied column as it is and returns an ordinary array."""
-    return lambda self, other: getattr(np.ndarray, name)(self if self.flags.writeable else np.array(self), other)
-
-
-for operation in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
-    setattr(Copied, f"__i{operation}__", in_place(f"__i{operation}__"))
-
-
 class Bodies(Named[NDArray[Any]]):
     """Copies of the columns of disks, or of walls, in the order of their numbers; `angle` is turn + theta. What only free
     disks have is nan (or -1) for others. `unit` and `meaning` of each; some or all as `array()`, `pandas()`, `xarray()`.
@@ -103,7 +86,7 @@ class Bodies(Named[NDArray[Any]]):
         self._slots, self._dimension, self._first, self._n = simulation.columns, kind, first, n
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        if name not in list(self):
+        if not isinstance(name, str) or name not in list(self):
             raise lib.unknown(name, list(self), "the columns of bodies")
         state, fields = self._slots._simulation._state(), library().fields
         number, *parts = (self._slots._array(state, fields[part])
@@ -113,22 +96,17 @@ class Bodies(Named[NDArray[Any]]):
         mine = (number >= 0) & (number < self._n)
         found = np.full(self._n, np.nan if values.dtype.kind == "f" else -1).astype(values.dtype)
         found[number[mine]] = values[mine]
-        found = found.view(Copied)
-        found.flags.writeable = False
-        return found
+        return copied(found)
 
     def __setitem__(self, name: str, values: ArrayLike) -> None:
         """Sets a quantity of all disks, one value or a value for each. Those of disks that cannot be set, such as fixed
         ones, must be as they are."""
         simulation = self._slots._simulation
         if self._first > 0:
-            raise UserError("walls cannot be set; motions move them (motion.velocity, motion.amplitude)")
-        new = numbers(values, name)
-        if len(new) not in (1, self._n):
-            raise UserError(f"{name}: {len(new)} values: expected one, or {self._n}")
-        if name not in SETTABLE:
+            raise ReadOnly("walls cannot be set; motions move them (motion.velocity, motion.amplitude)")
+        if not isinstance(name, str) or name not in SETTABLE:
             raise lib.unknown(name, SETTABLE, "what can be set")
-        now, new = self[name], np.broadcast_to(new, self._n)
+        now, new = self[name], np.broadcast_to(array(values, name, (), (self._n,)), self._n)
         changed = np.flatnonzero(~((new == now) | (np.isnan(new) & np.isnan(now))))
         if len(changed):
             simulation.set(name, new[changed], changed)
@@ -143,17 +121,17 @@ class Bodies(Named[NDArray[Any]]):
 
     def unit(self, name: str) -> str:
         """Unit of a column, in terms of length, mass, time."""
-        return "rad" if name == "angle" else self._slots.unit(name)
+        return "rad" if isinstance(name, str) and name == "angle" else self._slots.unit(name)
 
     def meaning(self, name: str) -> str:
         """Meaning of a column, in a few words."""
-        return "angle, not wrapped: turn + theta" if name == "angle" else self._slots.meaning(name)
+        return "angle, not wrapped: turn + theta" if isinstance(name, str) and name == "angle" else self._slots.meaning(name)
 
 
-class ForceColumns:
+class ForceColumns(Fixed):
     """What a force field sees, by slot: `id`, `x`, `y`, `theta`, `turn`, `vx`, `vy`, `omega`, `radius`, `mass`, `inertia`,
     `material`, `group`, `activity`; `step`, `time`, `n_free`, `n_bodies`; and to be added to `force_x`, `force_y`,
-    `torque`, one for each of the n_free free disks. Valid during the call."""
+    `torque`, one for each of the n_free free disks, in place: c.force_x += ... Valid during the call."""
 
     __slots__ = ("step", "time", "n_free", "n_bodies", *(name for name, _ in lib.ForceColumns._fields_[4:]))
     step: int
@@ -180,25 +158,17 @@ class ForceColumns:
     KINDS = {"id": "u4", "material": "i4", "group": "i4", "activity": "i4"}
 
     def __init__(self, handle, struct):
-        self.n_free, self.n_bodies = struct.n_free, struct.n_bodies
+        self._set(n_free=struct.n_free, n_bodies=struct.n_bodies)
         for name, _ in struct._fields_[4:]:
-            written = name in ("force_x", "force_y", "torque")
-            n = self.n_free if written or name == "activity" else self.n_bodies
-            array = view(handle, getattr(struct, name), n, np.dtype(self.KINDS.get(name, "f8")), written)
-            if array.base is not None:
-                handle.views.add(array.base)  # one that is kept outlives the call
-            setattr(self, name, array)
+            n = self.n_free if name in ADDED or name == "activity" else self.n_bodies
+            column = view(handle, getattr(struct, name), n, np.dtype(self.KINDS.get(name, "f8")), name in ADDED)
+            if column.base is not None:
+                handle.views.add(column.base)  # one that is kept outlives the call
+            self._set(**{name: column})
 
-
-def numbers(value, what):
-    """One-dimensional floats."""
-    try:
-        array = np.atleast_1d(np.asarray(value))
-        if array.dtype.kind not in "biuf":
-            raise TypeError
-        array = array.astype(float)
-    except (TypeError, ValueError):
-        raise UserError(f"{what} = {value!r:.80}: expected numbers") from None
-    if array.ndim != 1:
-        raise UserError(f"{what}: an array of {array.ndim} dimensions: expected one value, or a row")
-    return array
+    if not TYPE_CHECKING:
+        def __setattr__(self, name, value):
+            if name in ADDED and value is not getattr(self, name):  # it is the same one in c.force_x += 1
+                raise ReadOnly(f"{name}: an assigned array is not seen; a force adds to it in place: c.{name} += ..., or c.{name}[k] += ...")
+            if name not in ADDED:
+                super().__setattr__(name, value)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from .arguments import checked
 from .library import Record, UserError, unknown
 
 # Keys of `disks` that an array can give: a value per disk. Others hold for all.
@@ -72,16 +73,21 @@ class DiskArrays:
     def __init__(self, disks):
         columns, wrong = {}, []
         for key, value in disks.items():
+            if np.ma.is_masked(value):
+                wrong.append(f"disks.{key}: {np.ma.count_masked(value)} values are masked")
             if key not in (*COLUMNS, *COMMON):
                 wrong.append(str(unknown(key, [*COLUMNS, *COMMON], "the keys of disks")))
-            elif key in COLUMNS and (np.ndim(value) or key in ("x", "y")):
-                columns[key] = np.atleast_1d(value)
+            elif key in COLUMNS and (is_row(value) or key in ("x", "y")):
+                try:
+                    columns[key] = np.atleast_1d(value)
+                except ValueError:  # rows of different length
+                    raise UserError(f"disks.{key} = {value!r:.80}: expected a value for each disk") from None
                 if columns[key].ndim != 1:
-                    wrong.append(f"disks.{key}: expected a value for each disk, not an array of shape {columns[key].shape}")
+                    wrong.append(f"disks.{key}: expected one value or (N,), got {columns[key].shape}")
         lengths = {key: len(array) for key, array in columns.items()}
         most = max(lengths.values(), default=0)
         for key in ("x", "y"):
-            if key in columns and not np.ndim(disks[key]):
+            if key in columns and not is_row(disks[key]):
                 columns[key] = np.repeat(columns[key], most)
         lengths = {key: len(array) for key, array in columns.items()}
         if len(set(lengths.values())) > 1:
@@ -101,9 +107,9 @@ class DiskArrays:
 
     @staticmethod
     def _cells(key, array):
-        if array.dtype.kind == "b":
+        if array.dtype.kind == "b" and key == "fixed":
             return ["1" if cell else "0" for cell in array.tolist()]
-        if array.dtype.kind in "iuf":
+        if array.dtype.kind in "iuf" and key != "name":
             return list(map(repr, array.tolist()))
         if array.dtype.kind in "UO":
             return list(map(str, array.tolist()))
@@ -115,6 +121,11 @@ class DiskArrays:
                       lambda m: f"disks[{int(m[1]) - 2}]" if m[1] and int(m[1]) > 1 else "disks", message)
 
 
+def is_row(value):
+    return isinstance(value, (list, tuple)) or np.ndim(value) > 0
+
+
+@checked
 def deck_text(deck: Mapping[str, Any]) -> str:
     """The text of a deck from a dict with its structure: dicts are groups, lists and tuples lists, texts texts (also
     angles: "0.04 pi"). `materials`, `disks`, `walls`, `motions`, `fields` and `phases` may be dicts of groups by name."""
@@ -162,7 +173,8 @@ class Group(Record[Any]):
 
 class Deck(Group):
     """A complete deck: a dict whose items are attributes. Groups are dicts (Group), lists are tuples, those of groups also by name
-    (Groups); numbers that the deck writes as text ("0.04 pi") are numbers. Simulation and run take it as a deck."""
+    (Groups); numbers that the deck writes as text ("0.04 pi") are numbers. Simulation and run take it as a deck, with overrides:
+    Simulation(sim.deck, {"dt": 1e-5}); copy() makes a dict of it that can be changed."""
 
     def __repr__(self):
         return deck_text(self).rstrip("\n")
@@ -222,7 +234,7 @@ def deck_values(text: str) -> Deck:
             return said
 
     def group(path):
-        found = Group() if path else Deck()
+        found: dict[str, Any] = {}
         while tokens and tokens[-1]["mark"] != "}":
             key = tokens.pop()["word"]
             tokens.pop()  # =
@@ -230,7 +242,7 @@ def deck_values(text: str) -> Deck:
             tokens.pop()  # ;
         if tokens:
             tokens.pop()
-        return found
+        return Group(found) if path else Deck(found)
 
     try:
         return group("")

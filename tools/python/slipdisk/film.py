@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 
 from . import library as lib
 from . import plot_style as style
+from .arguments import checked
 from .plot import default_output, pair, region_of, tell
 from .plot_scene import Scene, extent
 from .plot_source import Drawable, Source, usual_quantity
@@ -151,8 +152,9 @@ def _ffmpeg(words, frames, path):
             raise lib.FileError(f"{path}: ffmpeg: {lines[-1] if lines else f'status {status}'}")
 
 
+@checked
 def film(result: Drawable, output: lib.StrPath, *, frames: str | None = None, color: str | None = None, network: bool = False,
-         fps: float | None = None, size: Sequence[int] | None = None, region: Sequence[float] | None = None, dark: bool = False,
+         fps: lib.Positive | None = None, size: tuple[int, int] | None = None, region: Sequence[float] | None = None, dark: bool = False,
          progress: Callable[[int, int], object] | None = None) -> tuple[int, float, tuple[int, int]]:
     """Makes a film of frames (text FIRST:LAST:STEP as a slice, all by default); fps: by default so many that it takes ten
     seconds, from 5 to 30. Returns (frames, fps, size)."""

@@ -7,15 +7,15 @@ import difflib
 import operator
 import os
 import pathlib
+import sys
 import threading
 import warnings
 from collections.abc import Iterable
 from ctypes import (POINTER, Structure, byref, c_bool, c_char_p, c_double, c_int, c_int32, c_int64, c_size_t, c_uint32,
                     c_uint64, c_void_p)
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -25,6 +25,8 @@ OK, USER, NUMERIC, IO, DOUBTFUL, INTERRUPTED = 0, 2, 3, 4, 5, 75
 StrPath = str | os.PathLike[str]
 DeckLike = str | os.PathLike[str] | dict[str, Any]
 Whole = int | np.integer[Any]
+Count = int  # 1 or more
+Positive = float
 V = TypeVar("V")
 
 
@@ -55,6 +57,11 @@ class UserError(Error, ValueError):
 
 class UnknownName(UserError, KeyError):
     """There is nothing of this name."""
+    __module__ = "slipdisk"
+
+
+class ReadOnly(UserError, AttributeError, TypeError):
+    """An assignment that would have no effect: to an unknown attribute, to one that cannot be set, or to a part of a copy."""
     __module__ = "slipdisk"
 
 
@@ -92,10 +99,13 @@ def error(messages, status):
     return ERRORS.get(status, Error)(messages or [f"status {status}"], status)
 
 
-def warn(lines, level=2):
+def warn(lines):
     """Lines to Python's warnings, seen at the first caller outside this package."""
+    frame, level = sys._getframe(), 1
+    while frame.f_back and frame.f_globals.get("__name__", "").partition(".")[0] == "slipdisk":
+        frame, level = frame.f_back, level + 1
     for line in lines:
-        warnings.warn(line, Warning, stacklevel=level + 1)
+        warnings.warn(line, Warning, stacklevel=level)
 
 
 # --- where things are -------------------------------------------------------------------------------------------
@@ -342,10 +352,10 @@ class Messages:
         self.library.sd_messages_clear(self.pointer)
         return found
 
-    def check(self, status, line=lambda text: text, level=2):
+    def check(self, status, line=lambda text: text):
         """Warns of warnings, and raises the error of a status."""
         errors, warned = ([line(text) for text in texts] for texts in self.take())
-        warn(warned, level + 1)
+        warn(warned)
         if status != OK:
             raise error(errors, status)
 
@@ -377,7 +387,7 @@ def whole(value, what, least, most=MOST_STEPS):
     except TypeError:
         raise UserError(f"{what} = {value!r:.80}: expected a whole number") from None
     if not least <= number <= most:
-        raise UserError(f"{what} = {number}: expected {least} " + (f"... {most}" if most < MOST_STEPS else "or more"))
+        raise UserError(f"{what} = {number}: expected {least} " + (f"... {most}" if most < MOST_STEPS or number > most else "or more"))
     return number
 
 
@@ -385,7 +395,7 @@ def octets(value, what):
     """Bytes, of anything that holds some."""
     try:
         return bytes(memoryview(value))
-    except TypeError:
+    except (TypeError, ValueError):
         raise UserError(f"{what}: {type(value).__name__}: expected bytes") from None
 
 
@@ -414,31 +424,56 @@ def structured(items, kind):
     return np.array([np.frombuffer(item, kind)[0] for item in items], kind)
 
 
-def mean(x: ArrayLike, transient: bool = True, *, over: ArrayLike | None = None) -> Record[float]:
-    """Mean of a correlated, evenly spaced record with one standard error; a Record of `mean`, `error`,
-    `correlation` (time, in samples), `used`, `discarded` (as transient), `converged`. over: another record of the same length; then
-    the mean of x divided by that of `over`."""
-    records = [np.ascontiguousarray(each, float) for each in (x, over) if each is not None]
-    if any(each.ndim != 1 or len(each) != len(records[0]) for each in records):
-        raise UserError("mean: expected one record, one-dimensional" + (", or two of the same length" if over is not None else ""))
-    found = library().sd_mean_of if over is None else library().sd_ratio_of
-    return record(found(*(each.ctypes.data for each in records), len(records[0]), transient))
-
-
 def unknown(name, names, where):
     """The error for a name that is not there."""
     near = difflib.get_close_matches(str(name), names, 1, 0.7)
-    return UnknownName(f"no {name!r} in {where}" + (f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(names)}"))
+    return UnknownName(f"no {name!r:.80} in {where}" + (f"; did you mean {near[0]!r}?" if near else f"; there are {', '.join(names)}"))
+
+
+def refused_attribute(thing, name):
+    """The error for an attribute that cannot be set."""
+    kind = type(thing)
+    if any(name in (*vars(each), *vars(each).get("__annotations__", ())) for each in kind.__mro__):
+        return ReadOnly(f"{name} of {kind.__name__} cannot be set")
+    near = difflib.get_close_matches(name, [each for each in dir(kind) if not each.startswith("_")], 1, 0.7)
+    return ReadOnly(f"a {kind.__name__} has no attribute {name!r}"
+                    + (f"; did you mean {near[0]!r}?" if near else "; a subclass may declare it in its body"))
+
+
+def changeable(value):
+    """A copy that can be changed: dicts and lists all the way down."""
+    if isinstance(value, Record):
+        return {name: changeable(item) for name, item in value.items()}
+    if isinstance(value, tuple):
+        return [changeable(item) for item in value]
+    return value.copy() if isinstance(value, np.ndarray) else value
 
 
 class Record(dict[str, V]):
-    """A dict whose items are attributes, too."""
+    """A dict whose items are attributes, too. It is a copy of what was found, and cannot be changed; copy() makes a dict that can."""
 
     def __getattr__(self, name: str) -> V:
-        try:
+        if name in self:
             return self[name]
-        except KeyError:
-            raise AttributeError(name) from None
+        raise AttributeError(str(unknown(name, list(self), "this record")))
+
+    def __missing__(self, name: str) -> V:
+        raise unknown(name, list(self), "this record")
+
+    def copy(self) -> dict[str, Any]:
+        """A dict of dicts and lists that can be changed."""
+        return {name: changeable(item) for name, item in self.items()}
+
+    def __reduce__(self):
+        return type(self), (dict(self),)
+
+    if not TYPE_CHECKING:
+        def _refuse(self, *names: Any, **_: Any) -> None:
+            raise ReadOnly(f"{names[0] if names and isinstance(names[0], str) else type(self).__name__}: this is a copy, whose change has no effect; "
+                           "copy() makes a dict that can be changed")
+
+        __setattr__ = __delattr__ = __setitem__ = __delitem__ = __ior__ = _refuse
+        clear = pop = popitem = setdefault = update = _refuse
 
     def __dir__(self):
         return [*super().__dir__(), *self]

@@ -9,28 +9,37 @@ from ctypes import byref
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import library as lib
-from .library import Messages, UserError, library
+from .arguments import ANY, Fixed, array, checked
+from .library import Messages, Record, library, record
+from .tables import copied
 
 REAL, COUNT, FLAG = range(3)  # sd_quantity_kind
 
 
-class Measurement(collections.abc.Mapping[str, Any]):
+class Measurement(Fixed, collections.abc.Mapping[str, Any]):
     """A packing at one moment: m["z"] or m.z, m.pressure, m.stress (2 x 2), m.g (an array over m.g_edges); nan: not known.
 
     units, meanings   dicts with the unit and the meaning of each
     json              dict of their names in `slipdisk measure --json`, OBJECT.NAME; "": not in it"""
 
+    units: dict[str, str]
+    meanings: dict[str, str]
+    json: dict[str, str]
+    _items = "a measurement cannot be changed"
+
     def __init__(self, struct):
-        self._values, self.units, self.meanings, self.json = {}, {}, {}, {}
+        self._values = {}
+        self._set(units={}, meanings={}, json={})
         for q in struct.quantities[:struct.n]:
             name = q.name.decode()
             self._values[name] = value(q)
             self.units[name], self.meanings[name], self.json[name] = q.unit.decode(), q.meaning.decode(), q.json.decode()
 
     def __getitem__(self, name: str) -> Any:
-        if name not in self._values:
+        if not isinstance(name, str) or name not in self._values:
             raise lib.unknown(name, list(self), "a measurement")
         return self._values[name]
 
@@ -38,7 +47,7 @@ class Measurement(collections.abc.Mapping[str, Any]):
         try:
             return self.__dict__["_values"][name]
         except KeyError:
-            raise AttributeError(f"no {name!r} in a measurement") from None
+            raise AttributeError(str(lib.unknown(name, list(self.__dict__.get("_values", ())), "a measurement"))) from None
 
     def __dir__(self):
         return [*super().__dir__(), *self]
@@ -69,39 +78,44 @@ def value(q):
         number = q.values[0]
         return number if q.kind == REAL or math.isnan(number) else (int, bool)[q.kind == FLAG](number)
     shape = tuple(q.shape[:q.rank])
-    array = np.array(q.values[:math.prod(shape)]).reshape(shape)
-    return array.astype(bool) if q.kind == FLAG else array
+    values = np.array(q.values[:math.prod(shape)]).reshape(shape)
+    return copied(values.astype(bool) if q.kind == FLAG else values)
 
 
 def shown(item):
     return f"{item:.6g}" if isinstance(item, float) else f"{item}" if np.ndim(item) == 0 else f"array {np.shape(item)}"
 
 
-def measured(function, *target, region, bins, messages, level=2):
+def measured(function, *target, region, bins, messages):
     """Calls a function of the library that measures. target: its arguments before the region."""
     bins = lib.whole(bins, "measure: bins", 1, lib.MOST_INT)
     if region is not None:
-        try:
-            edges = np.asarray(region, float)
-            if edges.shape != (4,):
-                raise ValueError
-            region = (ctypes.c_double * 4)(*edges)
-        except (TypeError, ValueError):
-            raise UserError(f"measure: region = {region!r:.80}: expected x0, x1, y0, y1") from None
+        region = (ctypes.c_double * 4)(*region)
     pointer = ctypes.POINTER(lib.Measured)()
-    messages.check(function(*target, region, bins, byref(pointer), messages.pointer), level=level + 1)
+    messages.check(function(*target, region, bins, byref(pointer), messages.pointer))
     try:
         return Measurement(pointer.contents)
     finally:
         library().sd_measurement_free(pointer)
 
 
+@checked
+def mean(x: ArrayLike, transient: bool = True, *, over: ArrayLike | None = None) -> Record[float]:
+    """Mean of a correlated, evenly spaced record with one standard error; a Record of `mean`, `error`,
+    `correlation` (time, in samples), `used`, `discarded` (as transient), `converged`. over: another record of the same length; then
+    the mean of x divided by that of `over`. A nan in a record makes the mean nan."""
+    first = array(x, "mean: x", (ANY,), kinds="biuf")
+    records = [first] if over is None else [first, array(over, "mean: over", first.shape, kinds="biuf")]
+    found = library().sd_mean_of if over is None else library().sd_ratio_of
+    return record(found(*(each.ctypes.data for each in records), len(first), bool(transient)))
+
+
 def stored(path, frames, region, bins):
     """Measurements of these frames of a result; -1: the last state. The file is closed again: h5py cannot open it meanwhile."""
     messages = Messages()
     result, at = lib.out()
-    messages.check(library().sd_result_open(lib.path(path), at, messages.pointer), level=3)
+    messages.check(library().sd_result_open(lib.path(path), at, messages.pointer))
     try:
-        return [measured(library().sd_result_measure, result, k, region=region, bins=bins, messages=messages, level=3) for k in frames]
+        return [measured(library().sd_result_measure, result, k, region=region, bins=bins, messages=messages) for k in frames]
     finally:
         library().sd_result_close(result)

@@ -7,6 +7,7 @@ import sys
 import tempfile
 import time as clock
 
+from .arguments import Fixed, checked
 from .library import StrPath, UserError, Whole, whole
 from .process import call
 
@@ -49,16 +50,18 @@ class Shown:
 
 
 # --- slipdisk view ----------------------------------------------------------------------------------------------------
-class View:
+class View(Fixed):
     """The page of `slipdisk view`, which a notebook shows in place; it needs no network. `page` is its text; `save(path)` writes it,
     for any browser."""
 
     page: str
     height: int
 
+    @checked
     def __init__(self, page: str, height: Whole) -> None:
-        self.page, self.height = page, whole(height, "view: height", 100, 10_000)
+        self._set(page=page, height=whole(height, "view: height", 100, 10_000))
 
+    @checked
     def save(self, path: StrPath) -> None:
         """Writes the page into a file."""
         with open(path, "w", encoding="utf-8") as file:

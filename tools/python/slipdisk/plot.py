@@ -11,12 +11,14 @@ import argparse
 import os
 import sys
 import warnings
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import library as lib
 from . import plot_style as style
+from .arguments import checked
 from .plot_packing import forces, gr, map, means, network, profile  # noqa: A004
 from .plot_scene import extent
 from .plot_series import (compression, configurations, contact_forces, contact_loop, energies, energy_budget, energy_residual, flow,
@@ -284,14 +286,19 @@ def page_of_sweep(sweep, options):
     return picture
 
 
-class Options(argparse.Namespace):
-    """frame, time, color, first, size, x, quantity, region, dark: what `page` understands."""
-    frame, time, color, first, size, x, quantity, region, dark = None, None, None, 0, None, None, None, None, False
+@checked
+def options_of(*, frame: int | None = None, time: Sequence[float | None] | None = None, color: str | None = None, first: int = 0,
+               size: tuple[float, float] | None = None, x: str | None = None, quantity: str | None = None, region: Sequence[float] | None = None,
+               dark: bool = False) -> argparse.Namespace:
+    """The options that `page` understands."""
+    return argparse.Namespace(**locals())
 
 
+@checked
 def page(path: Drawable | Sweep, kinds: list[str] | tuple[str, ...] | None = None, **options: Any) -> Figure:
-    """The picture of a result or a folder of a sweep, a matplotlib Figure: of these kinds, else what fits."""
-    options = Options(**options)
+    """The picture of a result or a folder of a sweep, a matplotlib Figure: of these kinds, else what fits. Options: frame, time, color,
+    first, size (inches), x, quantity, region, dark, as of `slipdisk plot`."""
+    options = options_of(**options)
     with style.look(options.dark):
         if isinstance(path, Sweep) or (isinstance(path, (str, os.PathLike)) and os.path.isdir(os.path.join(path, "points"))):
             sweep = path if isinstance(path, Sweep) else Sweep(path)

@@ -9,6 +9,7 @@ from matplotlib.lines import Line2D
 
 from . import library as lib
 from . import plot_style as style
+from .arguments import checked
 from .plot_scene import Scene, in_reach, sliding_colour
 from .plot_source import QUANTITIES, Source
 from .plot_style import axes_of, guide, label
@@ -28,6 +29,7 @@ def _named(ax, source, k):
                  fontsize=9)
 
 
+@checked
 def map(result: Drawable, ax: Axes | None = None, *, frame: int | None = None, color: str | None = None, network: bool = False,
         first: int = 0, region: Sequence[float] | None = None) -> Axes:
     """Disks of a frame coloured by a quantity: omega, turned, spin, speed, vx, vy, moved, radius, contacts, pressure, fraction,
@@ -42,6 +44,7 @@ def map(result: Drawable, ax: Axes | None = None, *, frame: int | None = None, c
     return ax
 
 
+@checked
 def network(result: Drawable, ax: Axes | None = None, *, frame: int | None = None, region: Sequence[float] | None = None) -> Axes:
     """Contacts of a frame as lines as wide as the normal force; sliding ones in another colour."""
     source, ax = Source.of(result), axes_of(ax)
@@ -68,6 +71,7 @@ def _merged(values, m):
     return values[:n].reshape(-1, m).mean(1)
 
 
+@checked
 def forces(result: Drawable, ax: Axes | None = None, *, frame: int | None = None) -> Axes:
     """Densities of the normal forces (and tangential ones) over their means, with the counting error; the dashed line is e^-f."""
     source, ax = Source.of(result), axes_of(ax)
@@ -97,6 +101,7 @@ def forces(result: Drawable, ax: Axes | None = None, *, frame: int | None = None
     return ax
 
 
+@checked
 def gr(result: Drawable, ax: Axes | None = None, *, frame: int | None = None) -> Axes:
     """Pair correlation function, over the mean diameter."""
     source, ax = Source.of(result), axes_of(ax)
@@ -118,7 +123,8 @@ def gr(result: Drawable, ax: Axes | None = None, *, frame: int | None = None) ->
 
 
 # --- profiles -------------------------------------------------------------------------------------------------------------
-def profile(result: Drawable, ax: Axes | None = None, *, of: str = "fraction", frame: int | None = None, bins: int | None = None,
+@checked
+def profile(result: Drawable, ax: Axes | None = None, *, of: str = "fraction", frame: int | None = None, bins: lib.Count | None = None,
             first: int = 0) -> Axes:
     """Means over layers of height with their standard errors: "fraction" (area of disks over that of their closed cells),
     "contacts" per disk, or a quantity of `map`."""
@@ -163,6 +169,7 @@ def profile(result: Drawable, ax: Axes | None = None, *, of: str = "fraction", f
     return ax
 
 
+@checked
 def means(result: Drawable, ax: Axes | None = None) -> Axes:
     """Mean angular velocity of every disk in the second half of the measured time against that in the first: on the diagonal
     where rotation persists. Bars are one standard error."""

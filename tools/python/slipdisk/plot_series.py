@@ -8,6 +8,7 @@ import numpy as np
 
 from . import library as lib
 from . import plot_style as style
+from .arguments import checked
 from .plot_source import Source, lacks_shear, stresses
 from .plot_style import axes_of, guide, label
 from .plot_theory import theory_of
@@ -59,7 +60,8 @@ def time_axis(ax, source, time, span, phases=True):
 
 
 # --- rotation -------------------------------------------------------------------------------------------------------
-def rotation(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, windows: int = 50) -> Axes:
+@checked
+def rotation(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, windows: lib.Count = 50) -> Axes:
     """Mean angular velocity of the watched disks: means over windows of time (thin), the mean up to t (thick), and the mean of
     the run with its error band (one standard error)."""
     source, ax = Source.of(result), axes_of(ax)
@@ -108,6 +110,7 @@ def _frame(ax, values, k):
     ax.set_ylim(low - rim, high + rim)
 
 
+@checked
 def spin(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Angular velocity of the watched disks at each row of the series."""
     source, ax = Source.of(result), axes_of(ax)
@@ -124,6 +127,7 @@ def spin(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | Non
 
 
 # --- sliding --------------------------------------------------------------------------------------------------------
+@checked
 def configurations(result: Drawable, ax: Axes | None = None) -> Axes:
     """Fractions of the measured time in each configuration of sliding; theory's as rings where the deck fits."""
     source, ax = Source.of(result), axes_of(ax)
@@ -150,6 +154,7 @@ def configurations(result: Drawable, ax: Axes | None = None) -> Axes:
 
 
 # --- energies -------------------------------------------------------------------------------------------------------
+@checked
 def energy_budget(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """What went in and what was lost since step 0."""
     source, ax = Source.of(result), axes_of(ax)
@@ -172,6 +177,7 @@ def energy_budget(result: Drawable, ax: Axes | None = None, *, time: Sequence[fl
     return ax
 
 
+@checked
 def energies(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Kinetic and elastic energies."""
     source, ax = Source.of(result), axes_of(ax)
@@ -192,6 +198,7 @@ def energies(result: Drawable, ax: Axes | None = None, *, time: Sequence[float |
     return ax
 
 
+@checked
 def energy_residual(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """What the energy budget misses, over its scale; a run is in doubt beyond 0.01."""
     source, ax = Source.of(result), axes_of(ax)
@@ -224,6 +231,7 @@ def _compression_values(source):
             "contacts": (coordination_series(source), "contacts per disk $2N_c/N$")}
 
 
+@checked
 def compression(result: Drawable, ax: Axes | None = None, *, x: str = "time", y: str = "pressure",
                 time: Sequence[float | None] | None = None) -> Axes:
     """One of pressure, packing fraction ("fraction") and contacts per disk ("contacts") against time or another of them; dots are
@@ -270,6 +278,7 @@ def _backbone(ax, source, x, span):
     ax.plot(frames[column][good], frames["z_backbone"][good], "D", ms=5, mfc="none", mec=style.colour(2), label="without rattlers")
 
 
+@checked
 def stress(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Stress of the contacts in the region, compression positive."""
     source, ax = Source.of(result), axes_of(ax)
@@ -289,6 +298,7 @@ def stress(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | N
     return ax
 
 
+@checked
 def strain(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Deviator over pressure against the strain since the last phase began (measure.box and measure.stress)."""
     source, ax = Source.of(result), axes_of(ax)
@@ -306,8 +316,9 @@ def strain(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | N
     return ax
 
 
+@checked
 def shear(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, of: str = "ratio",
-          windows: int = 50) -> Axes:
+          windows: lib.Count = 50) -> Axes:
     """Shear stress over pressure ("ratio") or both ("stress") of a sheared periodic box against the accumulated shear strain, the
     integral of rate_xy: each row of the series (thin) and means of windows (thick), of the ratio those of its parts. Stresses are
     of contacts and velocities, positive for a flow with a positive rate."""
@@ -341,6 +352,7 @@ def shear(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | No
     return ax
 
 
+@checked
 def series(result: Drawable, ax: Axes | None = None, *, quantity: str = "contacts", x: str = "time",
            time: Sequence[float | None] | None = None) -> Axes:
     """A column of the series, or what follows from it, against time or another column: a line for each value of its rows."""
@@ -364,6 +376,7 @@ def series(result: Drawable, ax: Axes | None = None, *, quantity: str = "contact
     return ax
 
 
+@checked
 def walls(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, component: str = "normal") -> Axes:
     """Force of the contacts on each wall: "normal" (sum of normal forces), "tangential", "x" or "y"."""
     source, ax = Source.of(result), axes_of(ax)
@@ -380,6 +393,7 @@ def walls(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | No
     return ax
 
 
+@checked
 def flow(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Disks outside the bounds against time."""
     source, ax = Source.of(result), axes_of(ax)
@@ -398,6 +412,7 @@ def flow(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | Non
 
 
 # --- few disks --------------------------------------------------------------------------------------------------------
+@checked
 def paths(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None) -> Axes:
     """Paths of the centres over all frames, with the disks at their ends."""
     from .plot_scene import Scene
@@ -430,7 +445,8 @@ def pairs_of(source):
     return found, t
 
 
-def contact_forces(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, most: int = 3) -> Axes:
+@checked
+def contact_forces(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, most: lib.Count = 3) -> Axes:
     """Normal and tangential force of each contact that was stored (of the `most` that were closed longest)."""
     source, ax = Source.of(result), axes_of(ax)
     found, t = pairs_of(source)
@@ -450,7 +466,8 @@ def contact_forces(result: Drawable, ax: Axes | None = None, *, time: Sequence[f
     return ax
 
 
-def contact_loop(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, most: int = 3) -> Axes:
+@checked
+def contact_loop(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, most: lib.Count = 3) -> Axes:
     """Tangential force against tangential displacement of each contact: loops are the energy lost."""
     source, ax = Source.of(result), axes_of(ax)
     found, t = pairs_of(source)

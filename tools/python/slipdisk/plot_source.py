@@ -13,10 +13,13 @@ from numpy.typing import NDArray
 
 from . import library as lib
 from . import plot_style as style
+from .arguments import ARGUMENTS, Fixed, checked, is_path
+from .measure import mean
 from .program import call
 from .result import Result
 from .stored import Columns, Frames
 
+ARGUMENTS["Result"] = (lambda value: isinstance(value, Result)), "a Result"
 LINE, SEGMENT, POLYLINE, CIRCLE, ARC = range(5)  # the points of an arc lie close together
 
 
@@ -31,15 +34,16 @@ def read_csv(path):
     return {name: table[:, k] for k, name in enumerate(names)}
 
 
-class Source:
+class Source(Fixed):
     """A result, and what pictures ask of it; what has been read or measured once is kept."""
 
+    @checked
     def __init__(self, result: lib.StrPath | Result) -> None:
         if not isinstance(result, Result) and os.path.isfile(result) and not h5py.is_hdf5(result):
             deck = os.fspath(result).endswith(".cfg")
             raise lib.FileError(f"{result} is not a result" + (f"; slipdisk run {result} makes one" if deck else " (no HDF5 file)"))
-        self.result = result if isinstance(result, Result) else Result(result)
-        self.path = self.result.path
+        self._set(result=result if isinstance(result, Result) else Result(result))
+        self._set(path=self.result.path)
 
     @classmethod
     def of(cls, result: Drawable) -> Source:
@@ -165,7 +169,7 @@ class Source:
         top, bottom = self.fraction_of(name)
         span = float(self.result.summary["measured_time"]) or self.phases[-1][2] - self.phases[-1][1]
         keep = self.series["time"] > self.result.time - span * (1 + 1e-9)
-        return lib.mean(top[keep], over=None if bottom is None else bottom[keep])
+        return mean(top[keep], over=None if bottom is None else bottom[keep])
 
     def disk_name(self, number: int) -> str:
         return style.plain(self.names[number] or f"disk {number}")
@@ -362,6 +366,7 @@ DERIVED = {
 
 # --- what colours disks -------------------------------------------------------------------------------------------------
 Drawable = lib.StrPath | Result | Source
+ARGUMENTS["Drawable"] = (lambda value: isinstance(value, (Result, Source)) or is_path(value)), "a Result, or the path of one"
 
 
 class Quantity:

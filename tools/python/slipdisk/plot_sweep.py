@@ -12,6 +12,7 @@ import numpy as np
 
 from . import library as lib
 from . import plot_style as style
+from .arguments import ARGUMENTS, checked
 from .plot_source import DERIVED, Source, is_sheared
 from .plot_style import axes_of, guide, label
 from .plot_theory import theory_row
@@ -254,14 +255,19 @@ def _pale(ax, drawn, doubtful, marker):
             gid="pale")
 
 
+ARGUMENTS["Curves"] = (lambda value: isinstance(value, Curves)), "Curves"
+
+
+@checked
 def curve(result: lib.StrPath | Sweep, ax: Axes | None = None, *, x: str | None = None, quantity: str | None = None, only: int | None = None,
-          with_theory: bool = True, curves: Curves | None = None, rows_of_theory: Any = None) -> Axes:
+          with_theory: bool = True, curves: Curves | None = None, rows_of_theory: dict[int, Any] | None = None) -> Axes:
     """A quantity of a sweep (by default the rotation of the watched disk) against the key with the most values, a curve for each
     combination of the others; bars are one standard error, of replicas the larger of their own and of their scatter; pale where they
     are not reliable. `only`: the number of one of the curves."""
     ax = axes_of(ax)
     sweep = result if isinstance(result, Sweep) else Sweep(result)
     c = curves or Curves(sweep, x, quantity)
+    only = only if only is None else lib.whole(only, "curve: only", 0, len(c.groups) - 1)
     if rows_of_theory is None:
         rows_of_theory = theory(sweep) if with_theory and c.y.endswith(".omega") else {}
     scale = np.pi if c.pi else 1.0

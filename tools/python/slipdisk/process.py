@@ -1,4 +1,5 @@
 """Calls of the program `slipdisk`."""
+import os
 import signal
 import subprocess
 
@@ -11,8 +12,12 @@ def call(*words, program=None, ok=(lib.OK,), poll=None, cwd=None):
     """Calls the program, in the folder cwd: (exit status, standard output). Raises its messages as an error; those of a run in doubt are
     warnings. `poll()` is called five times a second while it runs, and at the end. Ctrl-C is passed on: the program saves before it
     ends."""
-    with subprocess.Popen([program or lib.program(), *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                          cwd=cwd) as process:
+    program = program or lib.program()
+    try:
+        started = subprocess.Popen([program, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=cwd)
+    except OSError as failed:
+        raise lib.FileError(f"{os.fspath(program)}: {failed.strerror}") from None
+    with started as process:
         try:
             while True:
                 try:
@@ -29,5 +34,5 @@ def call(*words, program=None, ok=(lib.OK,), poll=None, cwd=None):
         raise lib.error(said or [f"{' '.join(map(str, words))}: status {process.returncode}"], process.returncode)
     if poll:
         poll()
-    lib.warn([line.removeprefix("warning: ") for line in said], 3)
+    lib.warn([line.removeprefix("warning: ") for line in said])
     return process.returncode, printed

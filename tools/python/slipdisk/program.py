@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Mapping
 from typing import Any
 
+from .arguments import checked
 from .deck import deck_text, value_text
 from .library import DeckLike, StrPath, Whole
 from .notebook import Progress
@@ -45,6 +46,7 @@ def logged(path):
     return tuple(map(int, found[-1])) if found else (0, 0)
 
 
+@checked
 def run(deck: DeckLike, output: StrPath, overrides: Mapping[str, Any] | None = None, *, force: bool = False, threads: Whole | None = None,
         program: StrPath | None = None, progress: bool | None = None) -> Result:
     """`slipdisk run`: runs a deck (a path, or a dict, which is written beside the result as NAME.cfg) into the file
@@ -62,6 +64,7 @@ def run(deck: DeckLike, output: StrPath, overrides: Mapping[str, Any] | None = N
     return Result(output)
 
 
+@checked
 def sweep(deck: DeckLike, folder: StrPath, overrides: Mapping[str, Any] | None = None, *, jobs: Whole = 1, program: StrPath | None = None,
           progress: bool | None = None) -> Sweep:
     """`slipdisk sweep`: runs all points that are not done, `jobs` at a time, and returns the Sweep. `progress`: as of `run`, in
@@ -79,6 +82,7 @@ def sweep(deck: DeckLike, folder: StrPath, overrides: Mapping[str, Any] | None =
     return Sweep(folder)
 
 
+@checked
 def info(path: StrPath, program: StrPath | None = None) -> dict[str, Any]:
     """`slipdisk info --json`: what is known of a result, as a dict."""
     return json.loads(call("info", path, "--json", program=program)[1])

@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments import Fixed, checked
 from .deck import Deck, deck_values
 from .library import FileError, Record, StrPath, UserError, Whole, unknown, whole
 from .measure import Measurement, stored
@@ -67,7 +68,7 @@ class NotYet(FileError):
     """There is neither a result nor a checkpoint yet."""
 
 
-class Result(Shown):
+class Result(Fixed, Shown):
     """What a run has found, finished or not.
 
     path     the result NAME.h5, whether it is there or still NAME.h5.parts; or a checkpoint
@@ -82,8 +83,9 @@ class Result(Shown):
     summary: Record[Any]
     provenance: Record[Any]
 
+    @checked
     def __init__(self, path: StrPath, *, verify: bool = True) -> None:
-        self.path = re.sub(r"\.parts/?$", "", os.fspath(path))
+        self._set(path=re.sub(r"\.parts/?$", "", os.fspath(path)))
         self._files = Verified(verify)
         self.refresh()
 
@@ -112,8 +114,9 @@ class Result(Shown):
             with self._file(self._head) as file:
                 if not {"state", "parameters", "summary"} <= set(file):
                     raise FileError(f"{self.path}: not a result of slipdisk")
-                self.summary, self.provenance = attributes(file["summary"]), attributes(file["parameters"])
-                self.finished = "checkpoint" not in file and self.summary.phase == self.summary.phases
+                summary = attributes(file["summary"])
+                self._set(summary=summary, provenance=attributes(file["parameters"]),
+                          finished="checkpoint" not in file and summary.phase == summary.phases)
                 if not self._parts:
                     count = int(file["checkpoint"].attrs["parts"])
                     self._parts = [os.path.join(folder, f"part-{k:06d}.h5") for k in range(1, count + 1)]
@@ -133,14 +136,14 @@ class Result(Shown):
             yield file
 
     # --- what all else is read by -----------------------------------------------------------------------------------
+    @checked
     def rows(self, path: str, first: int = 0, last: int | None = None) -> Any:
         """Rows [first, last) of a dataset, those of all parts one after the other."""
+        first, last = whole(first, "rows: first", 0), None if last is None else whole(last, "rows: last", 0)
         found, done = [], 0
         for part in self._parts if len(self._parts) and not self._in_head(path) else [self._head]:
             with self._file(part) as file:
-                if path not in file:
-                    raise unknown(path, list(file), part)
-                data = file[path]
+                data = self._there(file, path)
                 if data.shape == ():
                     return plain(data[()])
                 n = len(data)
@@ -157,28 +160,38 @@ class Result(Shown):
         """A file that has this group, if any has."""
         return self._head if self._in_head(path) else (self._parts or [self._head])[0]
 
+    @checked
     def groups(self, path: str) -> list[str]:
         """Names of what has values in a group."""
         with self._file(self._some(path)) as file:
             group = file.get(path, {})
             return [name for name in group if isinstance(group[name], h5py.Group) and "value" in group[name]]
 
+    @checked
     def datasets(self, path: str) -> list[str]:
         """Names of the datasets in a group."""
         with self._file(self._some(path)) as file:
             group = file.get(path, {})
             return [name for name in group if isinstance(group[name], h5py.Dataset)]
 
+    @checked
     def attribute(self, path: str, name: str) -> Any:
         """An attribute of a group or dataset; an empty text where there is none."""
         with self._file(self._some(path)) as file:
-            return plain(file[path].attrs.get(name, ""))
+            return plain(self._there(file, path).attrs.get(name, ""))
 
+    @checked
     def attributes(self, path: str) -> Record[Any]:
         """Attributes of a group or dataset."""
         with self._file(self._some(path)) as file:
-            return attributes(file[path])
+            return attributes(self._there(file, path))
 
+    def _there(self, file, path):
+        if path not in file:
+            raise unknown(path, list(file), self.path)
+        return file[path]
+
+    @checked
     def table(self, path: str) -> NDArray[np.void] | Any:
         """A group of columns as a structured array, with `name` where there are names; None: there is none."""
         with self._file(self._some(path)) as file:
@@ -306,6 +319,7 @@ class Result(Shown):
         """Stored contact tables: contacts[-1]["force"], contacts.time."""
         return Contacts(self)
 
+    @checked
     def measure(self, frame: Any = None, region: Sequence[float] | None = None, bins: int = 100) -> Any:
         """Contacts, packing fractions, stress, fabric, g(r), forces, a Measurement: m.z, m.fraction, m.pressure, m.stress.
         frame: number of a stored frame, -1 the last one; several, or slice(None) for all: a list, for which the file is opened
@@ -316,9 +330,10 @@ class Result(Shown):
         if n == 0:
             raise UserError(f"{self.path}: no frames are stored in it; measure() is of the last state")
         several = range(*frame.indices(n)) if isinstance(frame, slice) else frame
-        several = [whole(k, "measure: frame", -n, n - 1) % n for k in ([several] if np.ndim(several) == 0 else several)]
+        one = not isinstance(several, (list, tuple, range)) and (not isinstance(several, np.ndarray) or several.ndim == 0)
+        several = [whole(k, "measure: frame", -n, n - 1) % n for k in ([several] if one else several)]
         found = stored(self.path, several, region, bins)
-        return found[0] if np.ndim(frame) == 0 and not isinstance(frame, slice) else found
+        return found[0] if one else found
 
     @indexed
     def state(self) -> Columns[Any]:
@@ -380,6 +395,7 @@ class Result(Shown):
         return structured({**columns, "angle": (state["turn"] + state["theta"])[order]})
 
     # --- notebooks --------------------------------------------------------------------------------------------------
+    @checked
     def view(self, frames: str | None = None, height: Whole = 640) -> View:
         """The page of `slipdisk view`, which a notebook shows in place: play the frames, zoom in, pick disks.
 

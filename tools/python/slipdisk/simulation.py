@@ -18,12 +18,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import library as lib
 from . import notebook
-from .columns import Bodies, Columns, ForceColumns, numbers
+from .arguments import ANY, Fixed, array, checked, is_number, words
+from .columns import Bodies, Columns, ForceColumns
 from .deck import DiskArrays, deck_text, deck_values, value_text
 from .library import Messages, UserError, library, record
 from .measure import Measurement, measured
 from .notebook import Progress, Shown, table_html
-from .tables import indexed, structured
+from .tables import copied, indexed, structured
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -119,7 +120,7 @@ def often(simulation, steps):
     return advance
 
 
-class Simulation(Shown):
+class Simulation(Fixed, Shown):
     """A running system.
 
     deck       path of a deck, or a dict with a deck's structure
@@ -128,9 +129,12 @@ class Simulation(Shown):
                `disks` in decks, each an array or one value for all. Their numbers follow those of the deck's own disks.
     threads    0: chosen from the number of disks. Results do not depend on it.
 
+    Attributes that it has not, or that cannot be set, are refused (ReadOnly); a subclass declares its own in its body (count: int = 0).
+
     A simulation serves one call at a time: others, of another thread or of its own observers and forces, are refused (UserError) where
     they would change what is being used. After a fork the child starts threads of its own."""
 
+    @checked
     def __init__(self, deck: lib.DeckLike, overrides: Mapping[str, Any] | None = None, *, disks: Mapping[str, Any] | None = None,
                  threads: lib.Whole = 0) -> None:
         if "_handle" in self.__dict__:
@@ -200,7 +204,7 @@ class Simulation(Shown):
         messages = Messages()
         pointer, at = lib.out()
         threads = lib.whole(threads, "threads", 0, lib.MOST_INT)
-        messages.check(function(*arguments, threads, at, messages.pointer), level=3)
+        messages.check(function(*arguments, threads, at, messages.pointer))
         return cls._made(pointer, messages)
 
     @classmethod
@@ -252,9 +256,11 @@ class Simulation(Shown):
         if time is not None:
             if steps is not None:
                 raise UserError("advance: expected steps or time, not both")
-            if not 0 <= time <= 1e100:
-                raise UserError(f"advance: time = {time}: expected a number from 0 to 1e100")
+            if not is_number(time) or not 0 <= time <= 1e100:
+                raise UserError(f"advance: time = {time!r:.80}: expected a number from 0 to 1e100")
             steps = round(time / self.dt)
+        if progress is not None and not isinstance(progress, (bool, np.bool_)):
+            raise UserError(f"advance: progress = {progress!r:.80}: expected True, False or None")
         if isinstance(steps, (float, np.floating)):
             raise UserError(f"advance({steps}): expected a whole number of steps, like {steps:.0f}, or advance(time={steps})")
         if steps is None and self.steps >= ENDLESS:
@@ -276,7 +282,7 @@ class Simulation(Shown):
         """True: an observer stopped it."""
         asked, took, shown = steps, 0.0, None
         if steps == 0:  # refused where any other number is
-            self._messages.check(self._library.sd_simulation_advance(self._pointer, 0, self._list), level=4)
+            self._messages.check(self._library.sd_simulation_advance(self._pointer, 0, self._list))
         try:
             while steps > 0 and not self.finished:
                 piece, begin = min(steps, self._piece), clock.perf_counter()
@@ -298,13 +304,14 @@ class Simulation(Shown):
                 shown.close()
         if (0 < took < OFTEN_SECONDS and asked <= self._piece and asked is not self._again and not self._handle.kept
                 and type(self).advance is Simulation.advance):
-            self._again, self.advance = asked, often(self, asked)
+            self._again = asked
+            self._set(advance=often(self, asked))
         return False
 
     def _end(self, status):
         """After a piece with a status or messages; True: an observer stopped it."""
         if status == lib.USER:  # refused: what a callback has raised is for the call that goes on
-            self._messages.check(status, level=4)
+            self._messages.check(status)
         raised, self._raised = self._raised, None
         if raised is not None:
             self._messages.take()
@@ -312,7 +319,7 @@ class Simulation(Shown):
         if status == lib.INTERRUPTED:
             self._messages.take()
             return True
-        self._messages.check(status, level=4)
+        self._messages.check(status)
         return False
 
     def _keep(self, error):
@@ -325,7 +332,7 @@ class Simulation(Shown):
     def observe(self, every: lib.Whole, function: Callable[[Self], object]) -> None: ...
     def observe(self, every: lib.Whole, function: Any = None) -> Any:
         """Calls function(simulation) after steps that are multiples of `every`; it only reads. When it returns True
-        `advance` stops there. Without a function it is a decorator: @simulation.observe(1000)."""
+        `advance` stops there; it may return False or nothing, all else is refused. Without a function it is a decorator: @simulation.observe(1000)."""
         if function is None:
             return lambda function: self.observe(every, function) or function
         every = lib.whole(every, "observe: every", 1)
@@ -337,7 +344,10 @@ class Simulation(Shown):
             if simulation is None or simulation._raised is not None:
                 return lib.INTERRUPTED
             try:
-                return lib.INTERRUPTED if function(simulation) is True else lib.OK
+                answer = function(simulation)
+                if answer is not None and not isinstance(answer, (bool, np.bool_)):
+                    raise UserError(f"an observer returned {answer!r:.80}: expected True, which stops, False or nothing")
+                return lib.INTERRUPTED if answer else lib.OK
             except BaseException as error:  # to be raised by advance
                 simulation._keep(error)
                 return lib.INTERRUPTED
@@ -360,7 +370,8 @@ class Simulation(Shown):
 
     def add_force(self, function: Force) -> Force:
         """Adds a force on the free disks: function(columns) is called in every step and adds to columns.force_x,
-        .force_y, .torque (ForceColumns). It should be a function of the columns and of constants. Can be a decorator."""
+        .force_y, .torque in place (ForceColumns); it assigns and returns nothing. It should be a function of the columns and of
+        constants. Can be a decorator."""
         callable_or_refused(function, "add_force")
         me, failed = weakref.ref(self), False
         same = lib.ForceColumns.n_free.offset  # what comes behind step and time changes seldom
@@ -375,8 +386,11 @@ class Simulation(Shown):
                 if key != simulation._forces[0]:  # kept there: views hold the handle, which holds this function
                     simulation._forces = key, ForceColumns(simulation._handle, struct)
                 columns = simulation._forces[1]
-                columns.step, columns.time = struct.step, struct.time
-                function(columns)
+                columns._set(step=struct.step, time=struct.time)
+                answer = function(columns)
+                if answer is not None:
+                    raise UserError(f"a force returned {type(answer).__name__}, which is not seen: it adds to c.force_x, c.force_y, c.torque "
+                                    "in place (c.force_x += ...), and returns nothing")
             except BaseException as error:  # to be raised by advance
                 simulation._keep(error)
 
@@ -397,7 +411,7 @@ class Simulation(Shown):
     # --- disks that come and go -----------------------------------------------------------------------------------
     def add_disks(self, *, x: ArrayLike, y: ArrayLike, radius: ArrayLike, mass: ArrayLike | None = None, density: ArrayLike | None = None,
                   **columns: ArrayLike) -> NDArray[np.int64]:
-        """Adds free disks between two steps; each argument is an array, or one value for all: x, y, radius, mass or
+        """Adds free disks between two steps; each argument is an array of shape (N,), or one number for all: x, y, radius, mass or
         density, theta, vx, vy, omega, inertia, force_x, force_y, torque, material (its number in the deck). Returns
         their numbers. Views of columns must be gone (copy what is kept); walls move up."""
         if (mass is None) == (density is None):
@@ -410,28 +424,26 @@ class Simulation(Shown):
             if key not in places and key not in ("radius", "inertia", "material"):
                 raise UserError(f"add_disks: {key}: expected one of {', '.join([*places, 'radius, mass, density, inertia, material'])}")
         given["mass" if density is None else "density"] = mass if density is None else density
-        given = {key: numbers(value, f"add_disks: {key}") for key, value in given.items()}
-        n = max(map(len, given.values()))
-        for key, array in given.items():
-            if len(array) not in (1, n):
-                raise UserError(f"add_disks: {key}: {len(array)} values: expected one, or {n}")
-        if not all(map(len, given.values())):
-            n = 0
+        given = {key: array(value, f"add_disks: {key}", (), (ANY,)) for key, value in given.items()}
+        lengths = {key: len(column) for key, column in given.items() if column.ndim}
+        n = next(iter(lengths.values()), 1)
+        if len(set(lengths.values())) > 1:
+            raise UserError(f"add_disks: arrays differ in length: {', '.join(f'{key} {k}' for key, k in lengths.items())}")
         if density is not None:
             with np.errstate(over="ignore"):
                 given["mass"] = given.pop("density") * np.pi * np.square(given["radius"])
-        material = given.get("material", np.zeros(1))
+        material = np.atleast_1d(given.get("material", 0.0))
         wrong = material[~((material == np.floor(material)) & (material >= 0) & (material < 2**31))]
         if len(wrong):
             raise UserError(f"add_disks: material = {wrong[0]:g}: expected the number of a material")
         rows = np.zeros(n, lib.DISK)
         rows["group"] = -1
-        for key, array in given.items():
+        for key, column in given.items():
             name, k = places.get(key, (key, None))
             if k is None:
-                rows[name] = array
+                rows[name] = column
             else:
-                rows[name][:, k] = array
+                rows[name][:, k] = column
         # refused in callbacks, whose arrays count as views
         self._messages.check(self._library.sd_simulation_add_disks(self._pointer, 0, None, None, self._list))
         self._forces = None, None
@@ -443,10 +455,8 @@ class Simulation(Shown):
 
     def remove_disks(self, disks: ArrayLike) -> None:
         """Takes disks (numbers or names) out between two steps; they keep their numbers, with activity 2."""
-        listed = np.atleast_1d(disks)
-        if listed.ndim > 1:
-            raise UserError(f"remove_disks: an array of {listed.ndim} dimensions: expected numbers or names in a row")
-        found = [self.find(d) if isinstance(d, str) else lib.whole(d, "remove_disks: disk", 0, self.n_disks - 1) for d in listed.tolist()]
+        found = [self.find(d) if isinstance(d, str) else lib.whole(d, "remove_disks: disk", 0, self.n_disks - 1)
+                 for d in listed(disks, "remove_disks: disks")]
         found = np.array(found, np.uint32)
         self._messages.check(self._library.sd_simulation_remove_disks(self._pointer, len(found), found.ctypes.data, self._list))
 
@@ -461,9 +471,8 @@ class Simulation(Shown):
             if "." in str(name):
                 raise UserError(f"{name}: expected the {'material, or a pair of them' if law else 'motion'} as the last argument")
             return np.arange(self.n_disks, dtype=np.uint32)
-        listed = [of] if lone(of, law) else list(of)
         found = []
-        for one in listed:
+        for one in [of] if lone(of, law) else listed(of, f"{name}: indices"):
             pair = one if isinstance(one, tuple) else (one, None)
             if isinstance(one, tuple) and not (law and len(one) == 2):
                 raise UserError(f"{name}: {one!r:.80}: expected a name or a number")
@@ -480,17 +489,18 @@ class Simulation(Shown):
         return np.array(found, np.uint32)
 
     def set(self, name: str, values: ArrayLike, of: Any = None) -> None:
-        """Sets a quantity between two steps: one value, or a value for each element of `of`; its energy counts as work.
+        """Sets a quantity between two steps: one number for all N elements of `of`, or an array of shape (N,); of position and
+        velocity (2,) or (N, 2), of gravity (2,). Its energy counts as work.
 
         x, y, position (x, y), angle, vx, vy, velocity (vx, vy), omega, radius, mass, inertia: of disks, by number or name
         (none: all of them). held: 1 or 0, see hold. gravity: (x, y). law.mu, law.k_n, ...: of a material or a pair of them,
         ("steel", "glass"). motion.velocity, .amplitude, .force, .pressure: of a motion. What contacts and motions do, and
         what is refused, says simulation.h (sd_simulation_set)."""
-        indices, wide = self._indices(name, of), 2 if name in ("position", "velocity") else 1
-        given = numbers(np.ravel(values), f"set: {name}")
-        if len(given) not in (wide, wide * len(indices)):
-            raise UserError(f"set: {name}: {len(given)} values: expected {wide}, or {wide * len(indices)}")
-        given = np.ascontiguousarray(np.resize(given, wide * len(indices)))
+        indices = self._indices(name, of)
+        shape = (len(indices), 2) if name in ("position", "velocity") else (len(indices),)
+        shapes = (shape,) if name == "gravity" and of is None else (shape[1:], shape)
+        given = array(values, f"set: {name}", *shapes, kinds="iufb" if name == "held" else "iuf")
+        given = np.ascontiguousarray(np.broadcast_to(given, shape))
         if name == "held":  # fixed disks get other rows when they are released
             self._forces, n_free = (None, None), self._library.sd_extent_size(self._state(), lib.PER_FREE)
             fixed = any(self._library.sd_simulation_slot(self._pointer, int(k)) >= n_free for k in indices)
@@ -505,25 +515,26 @@ class Simulation(Shown):
 
     def get(self, name: str, of: Any = None) -> Any:
         """The present value of a quantity that `set` sets, an array; one number if `of` is one."""
+        lib.text(name, "get")
         if name in ("position", "velocity"):
             pair = ("x", "y") if name == "position" else ("vx", "vy")
-            return np.stack([self.get(part, of) for part in pair], axis=-1)
+            return copied(np.stack([self.get(part, of) for part in pair], axis=-1))
         found = [self._library.sd_simulation_get(self._pointer, lib.text(name, "get"), int(k)) for k in self._indices(name, of)]
         if any(value != value for value in found):
             raise UserError(f"{name}: {of!r:.80}: there is none of this number")
-        return found[0] if of is not None and lone(of, name.startswith("law.")) else np.array(found)
+        return found[0] if of is not None and lone(of, name.startswith("law.")) else copied(np.array(found, float))
 
     def hold(self, disks: Any) -> None:
-        """Holds disks (numbers or names) where they are: forces do not move them, motions that name them do."""
+        """Holds disks (numbers or names; None: all) where they are: forces do not move them, motions that name them do."""
         self.set("held", 1, disks)
 
     def release(self, disks: Any) -> None:
-        """Releases disks that are fixed, moved by motions, or held. They keep their velocity."""
+        """Releases disks (numbers or names; None: all) that are fixed, moved by motions, or held. They keep their velocity."""
         self.set("held", 0, disks)
 
     @property
     def gravity(self) -> NDArray[np.float64]:
-        """The acceleration (x, y); can be set."""
+        """The acceleration (x, y), a copy; another one can be assigned."""
         return self.get("gravity")
 
     @gravity.setter
@@ -618,7 +629,7 @@ class Simulation(Shown):
         state, columns = self._state(), self.columns
         found = {name[len("contact_"):]: columns._array(state, field) for name, field in library().fields.items()
                  if field.extent in (lib.PER_CONTACT, lib.PER_LAW_CONTACT)}
-        return structured({name: column for name, column in found.items() if len(column) == len(found["a"])})
+        return copied(structured({name: column for name, column in found.items() if len(column) == len(found["a"])}))
 
     @indexed
     def energy(self) -> lib.Record[float]:
@@ -626,6 +637,7 @@ class Simulation(Shown):
         energy = record(self._library.sd_simulation_energy(self._pointer))
         return energy if energy.start == energy.start else refused("energy")
 
+    @checked
     def measure(self, region: Sequence[float] | None = None, bins: int = 100) -> Measurement:
         """Contacts, packing fractions, stress, fabric, g(r), forces now, a Measurement: m.z, m.fraction, m.pressure, m.stress.
         region: x0, x1, y0, y1 of the part that counts, else that of the deck; bins: of each histogram."""
@@ -640,7 +652,7 @@ class Simulation(Shown):
     def _measured(self, kind, function, extent):
         state, model = self._state(), self._model
         n = self._library.sd_extent_size(state, extent)
-        return lib.structured([function(model, state, k) for k in range(n)], kind)
+        return copied(lib.structured([function(model, state, k) for k in range(n)], kind))
 
     @indexed
     def rotation(self) -> NDArray[np.void]:
@@ -715,6 +727,17 @@ class Simulation(Shown):
 def lone(of, law):
     """Is it one index, not several? A pair of materials is one."""
     return isinstance(of, (str, bytes)) or law and isinstance(of, tuple) or not hasattr(of, "__len__")
+
+
+def listed(value, what):
+    """Numbers and names in a row."""
+    if isinstance(value, (dict, set, frozenset)) or np.ma.is_masked(value):
+        raise UserError(f"{what} = {value!r:.80}: expected numbers or names in a row")
+    if isinstance(value, np.ndarray):
+        if value.ndim > 1:
+            raise UserError(f"{what}: expected (N,), got {words(value.shape)}")
+        value = value.tolist()
+    return list(value) if hasattr(value, "__len__") and not isinstance(value, (str, bytes)) else [value]
 
 
 def busy(call):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments import Fixed, index
 from .library import Record, V, unknown
 from .notebook import Shown, table_html
 from .tables import Named, structured, to_pandas, to_xarray
@@ -26,7 +27,7 @@ class Columns(Named[V]):
         self._dimension = "time" if where == "series" else "slot"
 
     def _path(self, name):
-        if name not in self._paths:
+        if not isinstance(name, str) or name not in self._paths:
             raise unknown(name, list(self._paths), f"{self._where} of {self._result.path}")
         return self._paths[name]
 
@@ -48,7 +49,7 @@ class Columns(Named[V]):
         return self._result.attribute(self._path(name), "description")
 
 
-class Moments(Shown, collections.abc.Sequence[V]):
+class Moments(Fixed, Shown, collections.abc.Sequence[V]):
     """What is stored at some moments of a run: of moment k by number, a column of all moments by name; `step` and `time` of each,
     `unit` and `meaning` of a column."""
 
@@ -60,7 +61,7 @@ class Moments(Shown, collections.abc.Sequence[V]):
         return len(self.step)
 
     def _path(self, name):
-        if name not in self._names:
+        if not isinstance(name, str) or name not in self._names:
             raise unknown(name, self._names, f"{self._what} of {self._result.path}")
         return self._paths[0].format(name)
 
@@ -75,16 +76,13 @@ class Moments(Shown, collections.abc.Sequence[V]):
             return self._result.rows(self._path(which))
         if isinstance(which, slice):
             return [self[k] for k in range(*which.indices(len(self)))]
-        k = which + len(self) if which < 0 else which
-        if not 0 <= k < len(self):
-            raise IndexError(f"{self._what}: moment {which} of {len(self)}")
-        return self._moment(k)
+        return self._moment(index(which, len(self), self._what))
 
     def _ipython_key_completions_(self):
         return self._names
 
     def _columns(self, names):
-        return {name: self[name] for name in names or self._names}
+        return {name: self._result.rows(self._path(name)) for name in names or self._names}
 
     @property
     def step(self) -> NDArray[np.int64]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments import ARGUMENTS, Fixed, checked, index
 from .library import FileError, StrPath, unknown
 from .notebook import Shown, array_html
 from .result import NotYet, Result, plain
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from typing_extensions import Self
 
 
-class Sweep(Shown, collections.abc.Sequence[Result]):
+class Sweep(Fixed, Shown, collections.abc.Sequence[Result]):
     """A sweep: `table` and `means` as structured arrays, and its points as results, finished or not.
 
     sweep["upper.omega"]   a column of the table
@@ -31,9 +32,10 @@ class Sweep(Shown, collections.abc.Sequence[Result]):
 
     folder: str
 
+    @checked
     def __init__(self, folder: StrPath, *, verify: bool = True) -> None:
         self._verify = verify
-        self.folder = os.fspath(folder).rstrip("/")
+        self._set(folder=os.fspath(folder).rstrip("/"))
         if not os.path.isdir(os.path.join(self.folder, "points")):
             raise FileError(f"{self.folder}: not the folder of a sweep (no {self.folder}/points)")
         self.refresh()
@@ -86,12 +88,15 @@ class Sweep(Shown, collections.abc.Sequence[Result]):
         """A row for each set of values: means over the replicas, with `_error` and `_scatter`."""
         return structured(self._known(self._means))
 
+    @checked
     def pandas(self, means: bool = False) -> pandas.DataFrame:
         """The table, or the means, as a pandas.DataFrame."""
         return to_pandas(self._known(self._means if means else self._columns))
 
     def unit(self, name: str) -> str:
         """Unit of a column of the table."""
+        if not isinstance(name, str) or name not in self._units:
+            raise unknown(name, list(self._units), f"the table of {self.folder}")
         return self._units[name]
 
     @property
@@ -102,6 +107,7 @@ class Sweep(Shown, collections.abc.Sequence[Result]):
         found = os.listdir(os.path.join(self.folder, "points"))
         return sorted({name.removesuffix(".parts").removesuffix(".h5") for name in found if name.endswith((".h5", ".h5.parts"))})
 
+    @checked
     def path(self, name: str) -> str:
         """Path of the result of a point."""
         return os.path.join(self.folder, "points", name + ".h5")
@@ -127,7 +133,7 @@ class Sweep(Shown, collections.abc.Sequence[Result]):
             raise unknown(which, [*self._columns, *self.names], f"the table of {self.folder}")
         if isinstance(which, slice):
             return [self[k] for k in range(*which.indices(len(self)))]
-        return self._result(self.names[which])
+        return self._result(self.names[index(which, len(self), "sweep")])
 
     def results(self) -> Iterator[tuple[str, Result]]:
         """(name, Result) of all points that have any result."""
@@ -149,3 +155,6 @@ class Sweep(Shown, collections.abc.Sequence[Result]):
 
     def _ipython_key_completions_(self):
         return [*self._columns, *self.names]
+
+
+ARGUMENTS["Sweep"] = (lambda value: isinstance(value, Sweep)), "a Sweep"

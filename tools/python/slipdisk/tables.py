@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .library import MissingPackage, UserError, V
+from .arguments import Fixed
+from .library import MissingPackage, ReadOnly, UserError, V, refused_attribute
 from .notebook import table_html
 
 if TYPE_CHECKING:
@@ -39,13 +40,40 @@ class Indexed:
         return self if thing is None else self._function(thing)
 
     def __set__(self, thing, value):
-        raise AttributeError(f"{self._name} of {type(thing).__name__} cannot be set")
+        raise refused_attribute(thing, self._name)
 
 
 if TYPE_CHECKING:
     indexed = property
 else:
     indexed = Indexed
+
+
+class Copied(np.ndarray):
+    """A copy of a column. Writing to an element is refused, since it would not reach the simulation; `x = x + 1`,
+    `x += 1` and x.copy() make ordinary arrays."""
+
+    def __setitem__(self, key, value):
+        if not self.flags.writeable:
+            raise ReadOnly("this array is a copy: to change the simulation, assign a whole column, sim.disks[name] = values, "
+                            "or call sim.set(name, values, disks); to change the copy, take a copy() of it")
+        super().__setitem__(key, value)
+
+
+def in_place(name):
+    """An operator like += that leaves a copied column as it is and returns an ordinary array."""
+    return lambda self, other: getattr(np.ndarray, name)(self if self.flags.writeable else np.array(self), other)
+
+
+for operation in ("add", "sub", "mul", "truediv", "floordiv", "mod", "pow"):
+    setattr(Copied, f"__i{operation}__", in_place(f"__i{operation}__"))
+
+
+def copied(array):
+    """A copy that refuses to be written to."""
+    array = array.view(Copied)
+    array.flags.writeable = False
+    return array
 
 
 def structured(columns):
@@ -76,7 +104,7 @@ def to_xarray(columns, coordinates, dimensions, unit, meaning):
         coordinates)
 
 
-class Named(collections.abc.Mapping[str, V]):
+class Named(Fixed, collections.abc.Mapping[str, V]):
     """Columns by name: of a mapping {name: array} with `unit(name)` and `meaning(name)`. Notebooks complete the names."""
     _dimension = "row"  # name of the dimension of rows in xarray
 
