@@ -23,7 +23,8 @@
  *
  * After a fork the threads stay in the parent; a child starts threads of its own at its next step.
  * A child that was forked within a force field cannot finish the step: every call but
- * sd_simulation_free is refused there.
+ * sd_simulation_free is refused there. So it is after a change that memory did not suffice to end
+ * (SD_ERROR_IO): the simulation is lost then, and goes on from what was saved.
  */
 #ifndef SLIPDISK_SIMULATION_H
 #define SLIPDISK_SIMULATION_H
@@ -114,7 +115,7 @@ SD_API sd_status sd_simulation_add_force_field(sd_simulation *simulation, sd_for
  * that of their overlaps, which shows in the residual. Overlaps beyond max_overlap and equal
  * centres are refused, as in decks. The simulation owns its model from then on. Returns
  * SD_ERROR_USER, with nothing changed, for mistakes and while means of every disk are measured.
- * Returns SD_ERROR_IO if there is no memory: the simulation can then only be freed. */
+ * Returns SD_ERROR_IO if there is no memory: the simulation may then be lost. */
 SD_API sd_status sd_simulation_add_disks(sd_simulation *simulation, size_t n, const sd_disk *disks,
                                          uint32_t *first, sd_messages *messages);
 /* Removes n free disks between two steps. They touch nothing any more, but keep their numbers and

@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <limits.h>
 #include <math.h>
+#include <setjmp.h>
 #include <stdatomic.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -27,9 +28,32 @@ static atomic_flag called = ATOMIC_FLAG_INIT;
 
 void sd_on_no_memory(sd_memory_handler *call) { atomic_store(&handler, call); }
 
-/* Calls the out-of-memory handler, or prints a message, and ends the process. Other threads that
+static _Thread_local jmp_buf *escape; /* of the innermost memory_try of this thread; NULL: none */
+
+bool memory_try(void (*make)(void *task), void *task) {
+  jmp_buf here, *outer = escape;
+  escape = &here;
+  if (setjmp(here) == 0) {
+    make(task);
+    escape = outer;
+    return true;
+  }
+  escape = outer;
+  return false;
+}
+
+void *memory_hold(void) {
+  jmp_buf *held = escape;
+  escape = NULL;
+  return held;
+}
+
+void memory_release(void *held) { escape = held; }
+
+/* Leaves memory_try, or calls the out-of-memory handler, or prints a message, and ends the process. Other threads that
  * run out of memory meanwhile wait here until the process ends. */
 _Noreturn void memory_lacks(size_t bytes) {
+  if (escape) longjmp(*escape, 1);
   while (atomic_flag_test_and_set(&called)) pause();
   sd_memory_handler *call = atomic_load(&handler);
   if (call) call(bytes);

@@ -3,7 +3,7 @@
  *
  * Texts, structs, lists of messages, and tables with a row per law, motion, key or rank are small:
  * memory_new and its like never return NULL. If memory runs out they call, once, the handler that
- * sd_on_no_memory has set, and do not return.
+ * sd_on_no_memory has set, and do not return; within memory_try they leave it.
  *
  * Arrays with a row per disk, contact, pair, or row of output grow with the size of the system.
  * memory_rows and memory_resize return whether there is enough memory; their callers return
@@ -31,6 +31,16 @@ char *memory_text(const char *text);
 /* Calls the out-of-memory handler and does not return. To be called where a library function
  * returns NULL because memory ran out. bytes: size of the failed allocation. */
 _Noreturn void memory_lacks(size_t bytes);
+
+/* Calls make(task) and returns true. If memory for a small object runs out in it, in this thread, no
+ * handler is called: make is left by longjmp, what it had made is lost but not freed, and false is
+ * returned. For functions that only make something new, change nothing that exists, and call no
+ * function of the user. */
+bool memory_try(void (*make)(void *task), void *task);
+/* From memory_hold to memory_release with its result, this thread calls the handler also within
+ * memory_try: where a function of another library calls back, which must not be left. */
+void *memory_hold(void);
+void memory_release(void *held);
 
 /* Description of one array to be allocated: its pointer, the number of its elements, and the bytes
  * of one element. */

@@ -12,9 +12,13 @@
 
 struct sd_messages {
   size_t count, capacity, errors, warnings;
-  size_t more; /* number of messages that were counted but not kept */
+  size_t more;  /* number of messages that were counted but not kept */
+  bool starved; /* true: NO_MEMORY stands behind the list */
   message *list;
 };
+
+static char no_memory[] = "no memory";
+static const message NO_MEMORY = {.kind = SD_ERROR_IO, .wrong = no_memory, .text = no_memory};
 
 sd_messages *sd_messages_new(void) { return memory_new(1, sizeof(sd_messages)); }
 
@@ -30,7 +34,9 @@ void sd_messages_clear(sd_messages *m) {
     free(m->list[k].wrong);
     free(m->list[k].text);
   }
-  if (m) m->count = m->errors = m->warnings = m->more = 0;
+  if (!m) return;
+  m->count = m->errors = m->warnings = m->more = 0;
+  m->starved = false;
 }
 
 void sd_messages_free(sd_messages *m) {
@@ -61,15 +67,16 @@ subject about_value(subject about, const char *format, ...) {
 static void add(sd_messages *m, sd_status kind, subject about, const char *format, va_list args) {
   if (m && (kind == SD_OK ? m->warnings++ : m->errors++) < LIMIT_MESSAGES) {
     if (m->count == m->capacity) {
+      m->list = memory_grow(m->list, 2 * m->capacity + 8, sizeof *m->list);
       m->capacity = 2 * m->capacity + 8;
-      m->list = memory_grow(m->list, m->capacity, sizeof *m->list);
     }
     char *wrong = format_text_v(format, args), *whole = memory_text("");
     if (about.place) whole = append_text(whole, "%s: ", about.place);
     if (about.name) whole = append_text(whole, "%s", about.name);
     if (about.value) whole = append_text(whole, " = %s", about.value);
     whole = append_text(whole, "%s%s", about.name ? ": " : "", wrong);
-    m->list[m->count++] = (message){kind, about, wrong, text_escaped(whole, LIMIT_LINE)};
+    const message one = {kind, about, wrong, text_escaped(whole, LIMIT_LINE)};
+    m->list[m->count++] = one;
     free(whole);
     return;
   }
@@ -93,6 +100,12 @@ sd_status sd_fail(sd_messages *m, sd_status kind, const char *format, ...) {
   return kind;
 }
 
+sd_status fail_memory(sd_messages *m) {
+  if (m && !m->starved) m->errors++;
+  if (m) m->starved = true;
+  return SD_ERROR_IO;
+}
+
 void sd_warn(sd_messages *m, const char *format, ...) {
   va_list args;
   va_start(args, format);
@@ -101,11 +114,11 @@ void sd_warn(sd_messages *m, const char *format, ...) {
 }
 
 size_t sd_messages_errors(const sd_messages *m) { return m ? m->errors : 0; }
-size_t sd_messages_count(const sd_messages *m) { return m ? m->count : 0; }
+size_t sd_messages_count(const sd_messages *m) { return m ? m->count + m->starved : 0; }
 
 const message *messages_at(const sd_messages *m, size_t k) {
-  assert(k < m->count);
-  return &m->list[k];
+  assert(k < sd_messages_count(m));
+  return k < m->count ? &m->list[k] : &NO_MEMORY;
 }
 
 const char *sd_messages_text(const sd_messages *m, size_t k) { return messages_at(m, k)->text; }
@@ -123,14 +136,15 @@ void messages_append(sd_messages *to, sd_status kind, const sd_messages *from) {
 }
 
 sd_status sd_messages_status(const sd_messages *m) {
-  for (size_t k = 0; m && k < m->count; k++)
-    if (m->list[k].kind != SD_OK) return m->list[k].kind;
+  for (size_t k = 0; k < sd_messages_count(m); k++)
+    if (messages_at(m, k)->kind != SD_OK) return messages_at(m, k)->kind;
   return SD_OK;
 }
 
 void sd_messages_print(const sd_messages *m, FILE *out) {
-  for (size_t k = 0; m && k < m->count; k++)
-    fprintf(out, "%s: %s\n", m->list[k].kind == SD_OK ? "warning" : "error", m->list[k].text);
+  for (size_t k = 0; k < sd_messages_count(m); k++)
+    fprintf(out, "%s: %s\n", messages_at(m, k)->kind == SD_OK ? "warning" : "error",
+            messages_at(m, k)->text);
   if (m && m->more > 0) fprintf(out, "... and %zu more\n", m->more);
 }
 

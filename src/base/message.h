@@ -32,6 +32,9 @@ subject about_value(subject about, const char *format, ...) SD_PRINTF(2, 3);
  * text. Takes over the texts of the subject. Returns SD_ERROR_USER. */
 sd_status fail_about(sd_messages *m, subject about, const char *format, ...) SD_PRINTF(3, 4);
 
+/* Adds the error "no memory" without allocating, once. Returns SD_ERROR_IO. */
+sd_status fail_memory(sd_messages *m);
+
 typedef struct message {
   sd_status kind; /* status of an error; SD_OK: a warning */
   subject about;

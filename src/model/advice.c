@@ -8,6 +8,7 @@
 
 #include "base/math.h"
 #include "base/memory.h"
+#include "base/message.h"
 #include "base/text.h"
 #include "model/field_kinds.h"
 #include "model/laws.h"
@@ -541,8 +542,18 @@ advice_check *const advice_checks[] = {check_time_step, check_friction, check_re
                                        advice_joints,   advice_motions, advice_prescribed};
 const size_t advice_count = sizeof advice_checks / sizeof *advice_checks;
 
+typedef struct advising {
+  const sd_model *model;
+  sd_messages *messages;
+} advising;
+
+static void advise(void *task) {
+  const advising *t = task;
+  messages_append(t->messages, SD_OK, t->model->advised);
+  if (t->model->advised) return;
+  for (size_t k = 0; k < advice_count; k++) advice_checks[k](t->model, t->messages);
+}
+
 void sd_model_advise(const sd_model *m, sd_messages *messages) {
-  messages_append(messages, SD_OK, m->advised);
-  if (m->advised) return;
-  for (size_t k = 0; k < advice_count; k++) advice_checks[k](m, messages);
+  if (!memory_try(advise, &(advising){m, messages})) fail_memory(messages);
 }

@@ -43,7 +43,10 @@ sd_status loop_rebuild(engine *e, bool small, sd_messages *messages) {
   const int threads = engine_threads(e);
   loop_release(e);
   sd_status status = loop_build(e, small, threads, messages);
-  engine_tell(e, messages);
+  if (status == SD_OK)
+    engine_tell(e, messages);
+  else
+    loop_release(e); /* all later calls of the simulation are refused */
   return status;
 }
 

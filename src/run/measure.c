@@ -3,10 +3,21 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "base/message.h"
 #include "measure/measurement.h"
 #include "run/simulation_private.h"
 #include "run/stored.h"
 #include "slipdisk/measurement.h"
+
+/* Arguments of sd_simulation_measure, and its result. */
+typedef struct measuring {
+  sd_simulation *sim;
+  const double *wanted;
+  size_t bins;
+  sd_measurement **out;
+  sd_messages *messages;
+  sd_status status;
+} measuring;
 
 static sd_status measure(sd_simulation *sim, const double *wanted, size_t bins,
                          sd_measurement **out, sd_messages *messages) {
@@ -20,15 +31,25 @@ static sd_status measure(sd_simulation *sim, const double *wanted, size_t bins,
   return status;
 }
 
+static void measure_now(void *task) {
+  measuring *t = task;
+  t->status = measure(t->sim, t->wanted, t->bins, t->out, t->messages);
+  if (t->status == SD_ERROR_IO && sd_messages_errors(t->messages) == 0) fail_memory(t->messages);
+}
+
 sd_status sd_simulation_measure(sd_simulation *sim, const double *wanted, size_t bins,
                                 sd_measurement **out, sd_messages *messages) {
   bool outer;
   *out = NULL;
   if (!simulation_enter(sim, NEED_STATE, "sd_simulation_measure", &outer, messages))
     return SD_ERROR_USER;
-  const sd_status status = measure(sim, wanted, bins, out, messages);
+  measuring t = {sim, wanted, bins, out, messages, SD_OK};
+  if (!memory_try(measure_now, &t)) {
+    *out = NULL;
+    t.status = fail_memory(messages);
+  }
   simulation_leave(sim, outer);
-  return status;
+  return t.status;
 }
 
 struct sd_result {

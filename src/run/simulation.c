@@ -8,6 +8,7 @@
 
 #include "base/comm.h"
 #include "base/memory.h"
+#include "base/message.h"
 #include "base/text.h"
 #include "io/results/checkpoint.h"
 #include "model/model.h"
@@ -52,9 +53,36 @@ static bool all_in_play(const sd_state *s) {
   return true;
 }
 
+/* Arguments of the functions that make a simulation, and their result. */
+typedef struct making {
+  const sd_model *model; /* sd_simulation_new */
+  sd_simulation *from;   /* sd_simulation_clone */
+  const char *path;      /* sd_simulation_load */
+  const void *data;      /* sd_simulation_load_memory */
+  size_t size;
+  int threads;
+  sd_simulation **out;
+  sd_messages *messages;
+  sd_status status;
+} making;
+
+static void make_new(void *task) {
+  making *t = task;
+  t->status =
+      simulation_new(t->model, t->threads, SIMULATION_SUITABLE, NULL, NULL, t->out, t->messages);
+}
+
+/* Calls one of the functions that make a simulation; without memory nothing is made. */
+static sd_status try_making(void (*make)(void *task), making t) {
+  if (memory_try(make, &t)) return t.status;
+  *t.out = NULL;
+  return fail_memory(t.messages);
+}
+
 sd_status sd_simulation_new(const sd_model *model, int threads, sd_simulation **out,
                             sd_messages *messages) {
-  return simulation_new(model, threads, SIMULATION_SUITABLE, NULL, NULL, out, messages);
+  return try_making(make_new,
+                    (making){.model = model, .threads = threads, .out = out, .messages = messages});
 }
 
 static bool is_finished(const sd_model *model, sd_messages *messages) {
@@ -318,6 +346,11 @@ static bool refuse(const char *call, const char *why, sd_messages *messages) {
   return false;
 }
 
+/* Returns true if memory ran out while the simulation was changed. */
+static bool is_lost(const sd_simulation *sim) {
+  return !sim->ranks && !engine_is_built(&sim->engine);
+}
+
 bool simulation_enter(sd_simulation *sim, simulation_need need, const char *call, bool *outer,
                       sd_messages *messages) {
   simulation_lock *d = &sim->door;
@@ -329,8 +362,9 @@ bool simulation_enter(sd_simulation *sim, simulation_need need, const char *call
   const char *why =
       in_force(sim)                        ? "not within a force field: its step is being made"
       : d->observed && need == NEED_CHANGE ? "not within an observer, which only reads"
-      : d->broken ? "the process was forked within a force field: its step was not ended"
-                  : NULL;
+      : d->broken    ? "the process was forked within a force field: its step was not ended"
+      : is_lost(sim) ? "memory ran out in an earlier call, in which this simulation was lost"
+                     : NULL;
   if (!why) return true;
   simulation_leave(sim, *outer);
   return refuse(call, why, messages);
@@ -349,7 +383,7 @@ bool simulation_read_begin(const sd_simulation *sim) {
   simulation_lock *d = door_of(sim);
   atomic_fetch_add(&d->readers, 1);
   const uintptr_t holder = atomic_load(&d->holder) & ~(uintptr_t)DOOMED;
-  if (holder == 0 || holder == me()) return true;
+  if ((holder == 0 || holder == me()) && !is_lost(sim)) return true;
   atomic_fetch_sub(&d->readers, 1);
   return false;
 }
@@ -657,20 +691,28 @@ static sd_status load(h5_file *file, const char *name, int threads, sd_simulatio
   return status;
 }
 
+static void make_loaded(void *task) {
+  making *t = task;
+  h5_file *file = NULL;
+  t->status = t->path ? h5_open_whole(t->path, &file, t->messages)
+                      : h5_open_memory(t->data, t->size, &file, t->messages);
+  const char *name = t->path ? t->path : "the saved simulation";
+  if (t->status == SD_OK) t->status = load(file, name, t->threads, t->out, t->messages);
+}
+
 sd_status sd_simulation_load(const char *path, int threads, sd_simulation **out,
                              sd_messages *messages) {
-  h5_file *file = NULL;
   *out = NULL;
-  sd_status status = h5_open_whole(path, &file, messages);
-  return status == SD_OK ? load(file, path, threads, out, messages) : status;
+  return try_making(make_loaded,
+                    (making){.path = path, .threads = threads, .out = out, .messages = messages});
 }
 
 sd_status sd_simulation_load_memory(const void *data, size_t size, int threads, sd_simulation **out,
                                     sd_messages *messages) {
-  h5_file *file = NULL;
   *out = NULL;
-  sd_status status = h5_open_memory(data, size, &file, messages);
-  return status == SD_OK ? load(file, "the saved simulation", threads, out, messages) : status;
+  return try_making(
+      make_loaded,
+      (making){.data = data, .size = size, .threads = threads, .out = out, .messages = messages});
 }
 
 /* --- Cloning ---------------------------------------------------------------------------------- */
@@ -706,12 +748,18 @@ static sd_status clone_simulation(sd_simulation *sim, sd_simulation **out, sd_me
   return status;
 }
 
+static void make_clone(void *task) {
+  making *t = task;
+  t->status = clone_simulation(t->from, t->out, t->messages);
+}
+
 sd_status sd_simulation_clone(sd_simulation *sim, sd_simulation **out, sd_messages *messages) {
   bool outer;
   *out = NULL;
   if (!simulation_enter(sim, NEED_STATE, "sd_simulation_clone", &outer, messages))
     return SD_ERROR_USER;
-  const sd_status status = clone_simulation(sim, out, messages);
+  const sd_status status =
+      try_making(make_clone, (making){.from = sim, .out = out, .messages = messages});
   simulation_leave(sim, outer);
   return status;
 }

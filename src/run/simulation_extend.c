@@ -374,7 +374,10 @@ static sd_status add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, u
   e->model = model;
   if (fields_resize(e) != SD_OK)
     status = sd_fail(messages, SD_ERROR_IO, "out of memory for a force field");
-  if (status == SD_OK) status = loop_rebuild(e, small, messages);
+  if (status == SD_OK)
+    status = loop_rebuild(e, small, messages);
+  else
+    loop_release(e);
   sd_state_free(old);
   sd_model_free(sim->owned);
   sim->owned = model;

@@ -5,6 +5,9 @@
  * SLIPDISK_FAIL_ALLOCATIONS_ON = 1 all later ones do, too. With SLIPDISK_FAIL_OWN = 1 only
  * calls are counted that the program's own code makes. SLIPDISK_ALLOCATION_LOG = FILE: at the failure FILE gets the place of the
  * call, as LIBRARY+OFFSET for addr2line, else, at the end, the number of calls.
+ *
+ * A process that has loaded a library calls inject_begin and inject_end around what it tries; then
+ * the calls of that library alone are counted.
  */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
@@ -104,10 +107,11 @@ static void tell_calls(void) {
   note(text);
 }
 
-/* The program comes first in the list. */
-static int find_program(struct dl_phdr_info *info, size_t size, void *unused) {
-  (void)size, (void)unused;
+/* Finds the program, which comes first in the list, or the library with the address `inside`. */
+static int find_program(struct dl_phdr_info *info, size_t size, void *inside) {
+  (void)size;
   first = UINTPTR_MAX;
+  last = 0;
   for (int k = 0; k < info->dlpi_phnum; k++) {
     if (info->dlpi_phdr[k].p_type != PT_LOAD) continue;
     uintptr_t begin = info->dlpi_addr + info->dlpi_phdr[k].p_vaddr,
@@ -115,7 +119,28 @@ static int find_program(struct dl_phdr_info *info, size_t size, void *unused) {
     first = begin < first ? begin : first;
     last = end > last ? end : last;
   }
-  return 1;
+  return !inside || ((uintptr_t)inside >= first && (uintptr_t)inside < last);
+}
+
+void inject_begin(void *inside, long at, int on);
+long inject_end(void);
+
+/* Lets the call number `at` fail, of those that the library with the address `inside` makes from now
+ * on; on: all later ones, too. */
+void inject_begin(void *inside, long at, int on) {
+  counting = false;
+  dl_iterate_phdr(find_program, inside);
+  fail_at = at;
+  keep_failing = on;
+  own = true;
+  atomic_store(&calls, 0);
+  counting = true;
+}
+
+/* Returns how many calls were made since inject_begin. */
+long inject_end(void) {
+  counting = false;
+  return atomic_load(&calls);
 }
 
 static int (*program_main)(int, char **, char **);

@@ -6,6 +6,7 @@
 
 #include "base/math.h"
 #include "base/memory.h"
+#include "base/message.h"
 #include "base/text.h"
 #include "io/deck/deck.h"
 #include "io/deck/deck_expression.h"
@@ -176,12 +177,6 @@ static sd_status load_text(const char *text, const char *path, size_t n_override
   return status;
 }
 
-sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
-                            const char *const *overrides, sd_model **out, sd_messages *messages) {
-  return load_text(text, path, n_overrides, overrides, (model_task){.endless = true}, out,
-                   messages);
-}
-
 static sd_status load(const char *path, size_t n_overrides, const char *const *overrides,
                       model_task how, sd_model **out, sd_messages *messages) {
   sd_status status;
@@ -192,9 +187,37 @@ static sd_status load(const char *path, size_t n_overrides, const char *const *o
   return status;
 }
 
+/* Arguments of sd_deck_load and sd_deck_load_text, and their result. */
+typedef struct load_task {
+  const char *text, *path; /* text: NULL: that of the file */
+  size_t n_overrides;
+  const char *const *overrides;
+  sd_model **out;
+  sd_messages *messages;
+  sd_status status;
+} load_task;
+
+static void load_deck(void *task) {
+  load_task *t = task;
+  const model_task how = {.endless = true};
+  t->status =
+      t->text ? load_text(t->text, t->path, t->n_overrides, t->overrides, how, t->out, t->messages)
+              : load(t->path, t->n_overrides, t->overrides, how, t->out, t->messages);
+}
+
+static sd_status try_load(load_task t) {
+  *t.out = NULL;
+  return memory_try(load_deck, &t) ? t.status : fail_memory(t.messages);
+}
+
+sd_status sd_deck_load_text(const char *text, const char *path, size_t n_overrides,
+                            const char *const *overrides, sd_model **out, sd_messages *messages) {
+  return try_load((load_task){text, path, n_overrides, overrides, out, messages, SD_OK});
+}
+
 sd_status sd_deck_load(const char *path, size_t n_overrides, const char *const *overrides,
                        sd_model **out, sd_messages *messages) {
-  return load(path, n_overrides, overrides, (model_task){.endless = true}, out, messages);
+  return try_load((load_task){NULL, path, n_overrides, overrides, out, messages, SD_OK});
 }
 
 sd_status deck_load_run(const char *path, size_t n_overrides, const char *const *overrides,

@@ -192,7 +192,9 @@ static H5FD_t *pages_open(const char *name, unsigned flags, hid_t access, haddr_
   (void)name, (void)most;
   const size_t *room = H5Pget_driver_info(access);
   if (!room || !(flags & H5F_ACC_CREAT)) return NULL;
+  void *held = memory_hold(); /* HDF5 calls this */
   pages *p = memory_new(1, sizeof *p);
+  memory_release(held);
   p->room = *room;
   p->bytes = mmap(NULL, p->room, PROT_READ | PROT_WRITE,
                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);

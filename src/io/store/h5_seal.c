@@ -155,6 +155,7 @@ static herr_t add_link(hid_t group, const char *name, const H5L_info_t *info, vo
 
 /* Adds attributes and contents of a group or a dataset to the checksum. */
 static void add_object(tally *t, hid_t object) {
+  void *held = memory_hold(); /* HDF5 must not be left from within its iterations */
   t->failed |= H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, NULL, add_attribute, t) < 0;
   if (H5Iget_type(object) == H5I_GROUP) {
     t->failed |= H5Literate(object, H5_INDEX_NAME, H5_ITER_INC, NULL, add_link, t) < 0;
@@ -165,6 +166,7 @@ static void add_object(tally *t, hid_t object) {
     H5Sclose(space);
     H5Tclose(type);
   }
+  memory_release(held);
 }
 
 static herr_t add_link(hid_t group, const char *name, const H5L_info_t *info, void *user) {

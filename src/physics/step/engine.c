@@ -332,6 +332,8 @@ sd_status engine_renew(engine *e, sd_messages *messages) {
   return e->renew ? e->renew(e, messages) : neighbours_build(e, messages);
 }
 
+bool engine_is_built(const engine *e) { return e->work.slots.slot; }
+
 void engine_free(engine *e) {
   work *w = &e->work;
   motion_free(e);

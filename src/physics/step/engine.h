@@ -26,6 +26,8 @@ void engine_fill_contact(sd_state *state, const sd_contact_memory *contact);
  * an error status with a message if it fails. engine_free frees the work in either case. */
 sd_status engine_build(engine *e, int threads, sd_messages *messages);
 void engine_free(engine *e);
+/* Returns false after engine_free. */
+bool engine_is_built(const engine *e);
 /* Refills the table of slots by body number, after the disks of the state were reordered. */
 void engine_find_slots(engine *e);
 /* Returns the Verlet margin (a length) of the first neighbour lists; neighbours_tune adapts it for

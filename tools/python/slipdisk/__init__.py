@@ -7,15 +7,15 @@ Sweep        tables and points of a sweep
 Measurement  a packing at one moment: contacts, packing fractions, stress, fabric, g(r), forces
 mean         mean of a correlated record, with its error
 plot, film   pictures and films, docs/plots.md
-Error        what all errors derive from: UserError (UnknownName, ReadOnly),
-             NumericError, FileError, Interrupted, MissingPackage
+Error        what all errors derive from: UserError (UnknownName, ReadOnly), NumericError,
+             FileError (OutOfMemory), Interrupted, MissingPackage
 """
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 from .deck import deck_text
-from .library import (Error, FileError, Interrupted, MissingPackage, NumericError, ReadOnly, Record, UnknownName, UserError,
+from .library import (Error, FileError, Interrupted, MissingPackage, NumericError, OutOfMemory, ReadOnly, Record, UnknownName, UserError,
                       Warning)
 from .measure import Measurement, mean
 from .program import info, run, sweep
@@ -29,9 +29,8 @@ if TYPE_CHECKING:
     from . import film as film
     from . import plot as plot
 
-__all__ = ["Error", "FileError", "Interrupted", "Measurement", "MissingPackage", "NumericError", "ReadOnly", "Record", "Result", "Simulation", "Sweep", "UnknownName",
-           "UserError",
-           "Warning", "__version__", "deck_text", "info", "inputs", "mean", "run", "sweep", "version"]
+__all__ = ["Error", "FileError", "Interrupted", "Measurement", "MissingPackage", "NumericError", "OutOfMemory", "ReadOnly", "Record", "Result", "Simulation",
+           "Sweep", "UnknownName", "UserError", "Warning", "__version__", "deck_text", "info", "inputs", "mean", "run", "sweep", "version"]
 
 
 __version__: str

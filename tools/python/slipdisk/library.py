@@ -7,6 +7,7 @@ import difflib
 import operator
 import os
 import pathlib
+import re
 import sys
 import threading
 import warnings
@@ -72,9 +73,15 @@ class NumericError(Error, ArithmeticError):
 
 
 class FileError(Error, OSError):
-    """A file is missing, damaged or cannot be written; or there is no memory."""
+    """A file is missing, damaged or cannot be written; or there is no memory (OutOfMemory)."""
     __module__ = "slipdisk"
     status = IO
+
+
+class OutOfMemory(FileError, MemoryError):
+    """There is no memory for what was asked for. A simulation that was being changed may be lost; its calls are refused then. Where the
+    library cannot say that memory is short, the interpreter ends: docs/python.md, Without memory."""
+    __module__ = "slipdisk"
 
 
 class Interrupted(Error):
@@ -95,8 +102,14 @@ class Warning(UserWarning):  # noqa: A001  slipdisk.Warning
 ERRORS = {kind.status: kind for kind in (UserError, NumericError, FileError, Interrupted)}
 
 
+STARVED = re.compile(r"\b(no|out of|GB of) memory\b")  # in all messages of the library on memory, and in no others
+
+
 def error(messages, status):
-    return ERRORS.get(status, Error)(messages or [f"status {status}"], status)
+    kind = ERRORS.get(status, Error)
+    if kind is FileError and any(map(STARVED.search, messages)):
+        kind = OutOfMemory
+    return kind(messages or [f"status {status}"], status)
 
 
 def warn(lines):
@@ -239,6 +252,7 @@ TEXTS, OUT = POINTER(c_char_p), POINTER(c_void_p)
 
 FUNCTIONS = {
     "sd_version": (c_char_p,),
+    "sd_on_no_memory": (None, c_void_p),
     "sd_free": (None, c_void_p),
     "sd_messages_new": (c_void_p,),
     "sd_messages_free": (None, c_void_p),
@@ -316,7 +330,23 @@ def load():
     with contextlib.suppress(FileError):  # without it the library reads files of others at once
         found.sd_set_program(os.fsencode(program()))
     found.advance = found["sd_simulation_advance"]  # for arguments that are of ctypes already
+    found.sd_on_no_memory(NO_MEMORY)
     return found
+
+
+SAVED = [b"nothing was saved by save()\n"]  # what the last words of the interpreter say
+
+
+@ctypes.CFUNCTYPE(None, c_size_t)
+def NO_MEMORY(size):
+    """Ends the interpreter where the library has no memory for a small object and cannot return: its tables are half changed."""
+    os.write(2, b"slipdisk: no memory (%d bytes more): the interpreter ends, since the library cannot go on; " % size + SAVED[0])
+    os.abort()
+
+
+def saved(path, step):
+    """Tells NO_MEMORY what has been saved, in advance."""
+    SAVED[0] = f"saved last: {os.fsdecode(path)}, step {step}\n".encode("utf-8", "replace")
 
 
 LIBRARY = None
@@ -356,8 +386,8 @@ class Messages:
         """Warns of warnings, and raises the error of a status."""
         errors, warned = ([line(text) for text in texts] for texts in self.take())
         warn(warned)
-        if status != OK:
-            raise error(errors, status)
+        if status != OK or errors:  # advice has no status
+            raise error(errors, status or IO)
 
 
 class Threads(threading.local):

@@ -221,6 +221,7 @@ class Simulation(Fixed, Shown):
     def save(self, path: lib.StrPath) -> None:
         """Writes the whole system into a file; what is loaded from it goes on with the same bits."""
         self._messages.check(self._library.sd_simulation_save(self._pointer, lib.path(path), self._list))
+        lib.saved(path, self.step)
 
     def to_bytes(self) -> bytes:
         """The whole system as bytes: to be kept, or sent to another process (pickle does this)."""
@@ -360,7 +361,7 @@ class Simulation(Fixed, Shown):
         if status == lib.USER:
             raise busy("observe")
         if status != lib.OK:
-            raise MemoryError
+            raise lib.OutOfMemory("observe: no memory")
         self._keep_function(kept)
 
     def _keep_function(self, kept):
@@ -741,7 +742,8 @@ def listed(value, what):
 
 
 def busy(call):
-    return UserError(f"{call}: not now: within a force, an observer that only reads, or while another thread is in a call")
+    return UserError(f"{call}: not now: within a force, an observer that only reads, while another thread is in a call, or since memory "
+                     "ran out in an earlier one")
 
 
 def refused(call):
