@@ -2,6 +2,7 @@
 # Installs what slipdisk needs on Debian or Ubuntu, and only what is missing.
 #   tools/install_deps.sh           to build and run
 #   tools/install_deps.sh --plot    also what plots, films and Python need
+#   tools/install_deps.sh --pip     also what pip install . and films need
 #   tools/install_deps.sh --tests   also what the tests, the formatter and the linter need; --docs is part of it
 #   tools/install_deps.sh --docs    also what makes the documentation site
 #   tools/install_deps.sh --deb     also what makes and checks the .deb
@@ -32,6 +33,7 @@ for option in "$@"; do
                  ccache gcovr mypy
                  chromium chromium-driver python3-selenium python3-mdanalysis python3-vtk9 python3-ase lammps
                  poppler-utils mandoc mmdebstrap "${site[@]}" "${deb[@]}" "${plot[@]}") ;;
+    --pip) packages+=(python3 python3-venv ffmpeg) ;;
     --plot) packages+=("${plot[@]}") ;;
     --docs) packages+=("${site[@]}") ;;
     --deb) packages+=("${deb[@]}") ;;

@@ -11,6 +11,7 @@ readers do not see, say what is to be found:
     <!-- test: not run -->         the next block is for other machines
     <!-- test: needs lmp -->       the next block is left out where this program is missing; so are remarks about it
     <!-- test: full -->            the next block is run with --full only
+    <!-- test: way pip -->         the next block is run with --way=pip only
     <!-- test: 0.4 < peak < 0.5 -->  a number that the last block has printed behind this word
     <!-- test: made tilt.png -->   a file that is there now, and was not when the page began
     <!-- test: says TEXT -->       the last block has printed this
@@ -18,6 +19,7 @@ readers do not see, say what is to be found:
 
     tests/docs/test_cookbook.py [PAGE ...]    some pages; --write puts the files into the pages; --full
                                               leaves nothing shorter
+    tests/docs/test_cookbook.py README --way=NAME    follows README.md in the clone that holds this file, from a bare shell
 """
 import importlib.util
 import os
@@ -57,13 +59,21 @@ def surroundings(folder):
                 OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
 
 
+def bare():
+    """What a shell has after `env -i`, and where pip finds packages."""
+    return {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": os.environ["HOME"], "LC_ALL": "C.UTF-8",
+            **{name: value for name, value in os.environ.items() if name.startswith("PIP_") or name.lower().endswith("_proxy")}}
+
+
 class Page:
     """A page on its way: what its remarks have asked for, and what its last block has printed."""
 
-    def __init__(self, path, folder, environment, full):
-        self.path, self.environment, self.full = path, environment, full
-        self.folder = folder / path.stem
-        if path == PAGES[0]:
+    def __init__(self, path, folder, environment, full, way=None):
+        self.path, self.environment, self.full, self.way = path, environment, full, way
+        self.folder = ROOT if way else folder / path.stem
+        if way:
+            pass
+        elif path == PAGES[0]:
             self.folder.mkdir()
         elif path == PAGES[-1]:
             (self.folder / "build").mkdir(parents=True)
@@ -80,7 +90,7 @@ class Page:
     def remark(self, value):
         limits = RANGE.fullmatch(value)
         word, _, rest = value.partition(" ")
-        if value == "not run" or word in ("shorter", "status", "needs", "full"):
+        if value == "not run" or word in ("shorter", "status", "needs", "full", "way"):
             self.pending[word] = rest
         elif self.left_out:
             return
@@ -109,7 +119,7 @@ class Page:
 
     def run(self, text):
         asked, self.pending = self.pending, {}
-        self.left_out = "not" in asked or ("full" in asked and not self.full) or not shutil.which(asked.get("needs", "bash"))
+        self.left_out = "not" in asked or asked.get("way", self.way) != self.way or ("full" in asked and not self.full) or not shutil.which(asked.get("needs", "bash"))
         if self.left_out:
             return
         if "shorter" in asked and not self.full:
@@ -122,7 +132,7 @@ class Page:
         if done.returncode != int(asked.get("status", 0)):
             raise Wrong(f"exit status {done.returncode}\n{text}\n{done.stdout}")
         if self.path == PAGES[-1]:
-            self.goes_on += "".join(f"{line}\n" for line in text.splitlines() if line.startswith("export ") or "&& cd " in line)
+            self.goes_on += "".join(f"{line}\n" for line in text.splitlines() if re.search("^export |&& cd |/activate", line))
 
     def file(self, key, value, body):
         if key == "write":
@@ -172,6 +182,8 @@ def write():
 def main(words):
     if "--write" in words:
         write()
+    elif any(word.startswith("--way=") for word in words):
+        pass
     elif not (BUILD / "libslipdisk.so").exists():
         print("the cookbook needs the shared library, which sanitizer builds have not")
         return 77
@@ -179,13 +191,14 @@ def main(words):
         print("the cookbook needs matplotlib and h5py (tools/install_deps.sh --tests)")
         return 77
     chosen = [word for word in words if not word.startswith("--")]
+    way = next((word.removeprefix("--way=") for word in words if word.startswith("--way=")), None)
     wrong = 0
     with tempfile.TemporaryDirectory() as folder:
-        environment = surroundings(pathlib.Path(folder))
+        environment = bare() if way else surroundings(pathlib.Path(folder))
         for path in PAGES:
             if chosen and path.stem not in chosen:
                 continue
-            page = Page(path, pathlib.Path(folder), environment, "--full" in words)
+            page = Page(path, pathlib.Path(folder), environment, "--full" in words, way)
             try:
                 page.follow()
                 if not page.found and path.stem != "index":
