@@ -3,6 +3,7 @@ mistakes, and failed writes."""
 import csv
 import os
 import pathlib
+import re
 import resource
 import signal
 import sys
@@ -61,10 +62,10 @@ class Ranges(Exports):
 
 
 class Texts(Exports):
-    def assert_close(self, got, expected, what):
+    def assert_same(self, got, expected, what):
         expected = numpy.asarray(expected)
         self.assertEqual(numpy.shape(got), expected.shape, what)
-        self.assertTrue(numpy.allclose(got, expected, rtol=1e-14, atol=1e-300), what)
+        self.assertTrue(numpy.array_equal(got, expected), what)
 
     def test_dump(self):
         file = self.open("rich")
@@ -78,14 +79,14 @@ class Texts(Exports):
             self.assertEqual([float(x) for x in box[1].split()], [-1, 1])
             self.assertEqual(list(rows["id"]), [i + 1 for i in there])
             for c, axis in enumerate("xy"):
-                self.assert_close(rows[axis], disks["position/value"][k][there, c], axis)
-                self.assert_close(rows["v" + axis], disks["velocity/value"][k][there, c], "v" + axis)
-                self.assert_close(rows["i" + axis], disks["image/value"][k][there, c], "i" + axis)
-            self.assert_close(rows["omegaz"], disks["angular_velocity/value"][k][there], "spin")
-            self.assert_close(rows["angle"], disks["angle/value"][k][there], "angle")
+                self.assert_same(rows[axis], disks["position/value"][k][there, c], axis)
+                self.assert_same(rows["v" + axis], disks["velocity/value"][k][there, c], "v" + axis)
+                self.assert_same(rows["i" + axis], disks["image/value"][k][there, c], "i" + axis)
+            self.assert_same(rows["omegaz"], disks["angular_velocity/value"][k][there], "spin")
+            self.assert_same(rows["angle"], disks["angle/value"][k][there], "angle")
             for name in "radius", "mass":
-                self.assert_close(rows[name], disks[name][:][there], name)
-            self.assert_close(rows["mol"], disks["group"][:][there] + 1, "group")
+                self.assert_same(rows[name], disks[name][:][there], name)
+            self.assert_same(rows["mol"], disks["group"][:][there] + 1, "group")
             low, high = map(float, box[2].split())
             self.assertTrue(((rows["y"] - rows["radius"] > low - 1e-12) & (rows["y"] + rows["radius"] < high + 1e-12)).all())
         self.assertTrue((frames[-1][2]["ix"] != 0).any())
@@ -101,7 +102,7 @@ class Texts(Exports):
         for k, (_, box, _) in enumerate(dump_frames(self.export("shrinking", "lammps-dump"))):
             for c in range(2):
                 low, high = map(float, box[1 + c].split())
-                self.assert_close(high - low, edges[k, c], "edges")
+                self.assert_same(high - low, edges[k, c], "edges")
 
     def test_csv(self):
         file = self.open("rich")
@@ -119,13 +120,13 @@ class Texts(Exports):
         for step, first, count in zip(*(stored[n][:] for n in ("step", "first", "count"))):
             at = [row for row in contacts if row["step"] == str(step)]
             self.assertEqual([int(row["b"]) for row in at], list(stored["b"][first:first + count]))
-            self.assert_close([float(row["tau"]) for row in at], stored["tau"][first:first + count], "tau")
+            self.assert_same([float(row["tau"]) for row in at], stored["tau"][first:first + count], "tau")
         self.assertTrue(any(row["tau"] == "" for row in contacts))  # of frames without a contact table
         series, stored = table(folder / "series.csv"), file["observables"]
-        self.assert_close([float(r["kinetic_rotation"]) for r in series], stored["kinetic_rotation/value"][:], "energy")
-        self.assert_close([float(r["angle[runner]"]) for r in series], stored["angle/value"][:, 0], "angle")
-        self.assert_close([float(r["wall_force_y[floor]"]) for r in series], stored["wall_force_y/value"][:, 0], "wall")
-        self.assert_close([float(r["group_torque[grains]"]) for r in series], stored["group_torque/value"][:, 1], "group")
+        self.assert_same([float(r["kinetic_rotation"]) for r in series], stored["kinetic_rotation/value"][:], "energy")
+        self.assert_same([float(r["angle[runner]"]) for r in series], stored["angle/value"][:, 0], "angle")
+        self.assert_same([float(r["wall_force_y[floor]"]) for r in series], stored["wall_force_y/value"][:, 0], "wall")
+        self.assert_same([float(r["group_torque[grains]"]) for r in series], stored["group_torque/value"][:, 1], "group")
         units = {(row["table"], row["column"]): row["unit"] for row in table(folder / "units.csv")}
         for name, some in ("disks", rows), ("contacts", contacts), ("series", series):
             self.assertEqual([c for t, c in units if t == name], list(some[0]), name)
@@ -136,6 +137,17 @@ class Texts(Exports):
         self.assertEqual(status, 0, err)
         folder = self.export("rich", "csv", "--frames=-1")
         self.assertEqual((folder / "contacts.csv").read_text(), (self.folder / "m/contacts.csv").read_text())
+
+
+    def test_every_text_format_keeps_bits(self):
+        old, there = self.open("rich")["particles/disks"], in_play(self.open("rich"), -1)
+        for kind in "lammps-dump", "lammps-data", "extxyz", "csv":
+            path = self.export("rich", kind, "--frames=-1")
+            files = [f for f in path.rglob("*") if f.is_file()] if path.is_dir() else [path]
+            texts = [f.read_bytes().decode("latin-1") for f in files]
+            words = {float(w) for t in texts for w in re.findall(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?", t)}
+            for name in "position/value", "velocity/value", "angular_velocity/value":
+                self.assertEqual(set(numpy.ravel(old[name][-1][there]).tolist()) - words, set(), (kind, name))
 
 
 class RoundTrips(Exports):

@@ -88,7 +88,7 @@ static void put_disks(const export_job *job, const frame_data *f, FILE *out) {
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     if (!export_has(job, f, i)) continue;
-    fprintf(out, "%" PRId64 ",%.15g,%zu,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%d,",
+    fprintf(out, "%" PRId64 ",%.17g,%zu,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%d,",
             f->step, f->time, i, f->position[i][0], f->position[i][1], f->angle[i],
             f->velocity[i][0], f->velocity[i][1], f->spin[i], d->radius, d->mass, d->inertia,
             d->driven);
@@ -199,11 +199,11 @@ static sd_status series_rows(const series *s, const h5_file *file, FILE *out,
     for (size_t k = 0; status == SD_OK && k < s->n; k++)
       status = h5_get_values(file, s->path[k], SD_F64, at, n, s->width[k], s->value[k], messages);
     for (size_t r = 0; status == SD_OK && r < n; r++) {
-      fprintf(out, "%" PRId64 ",%.15g", step[r], time[r]);
+      fprintf(out, "%" PRId64 ",%.17g", step[r], time[r]);
       for (size_t k = 0; k < s->n; k++)
         for (size_t i = 0; i < s->width[k]; i++) {
           double value = s->value[k][r * s->width[k] + i];
-          fprintf(out, isfinite(value) ? ",%.15g" : ",", value);
+          fprintf(out, isfinite(value) ? ",%.17g" : ",", value);
         }
       fputc('\n', out);
     }

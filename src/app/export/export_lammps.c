@@ -41,7 +41,7 @@ static void dump_frame(const export_job *job, const frame_data *f, FILE *out) {
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     if (!export_has(job, f, i)) continue;
-    fprintf(out, "%zu %u %d %.15g %.15g 0 %d %d 0 %.15g %.15g 0 %.15g %.15g %.15g %.15g\n", i + 1,
+    fprintf(out, "%zu %u %d %.17g %.17g 0 %d %d 0 %.17g %.17g 0 %.17g %.17g %.17g %.17g\n", i + 1,
             job->type_of[i] + 1, clumps ? d->clump : d->group + 1, f->position[i][0],
             f->position[i][1], f->image[i][0], f->image[i][1], f->velocity[i][0], f->velocity[i][1],
             f->spin[i], f->angle[i], d->radius, d->mass);
@@ -71,7 +71,7 @@ static void xyz_frame(const export_job *job, const frame_data *f, FILE *out) {
   for (size_t i = 0; i < m->n_disks; i++) {
     const sd_disk *d = &m->disks[i];
     if (!export_has(job, f, i)) continue;
-    fprintf(out, "X %.15g %.15g 0 %zu %u %d %.15g %.15g %.15g %.15g 0 %.15g 0 0 %.15g %d %d 0\n",
+    fprintf(out, "X %.17g %.17g 0 %zu %u %d %.17g %.17g %.17g %.17g 0 %.17g 0 0 %.17g %d %d 0\n",
             f->position[i][0], f->position[i][1], i + 1, job->type_of[i] + 1,
             clumps ? d->clump : d->group + 1, d->radius, d->mass, f->velocity[i][0],
             f->velocity[i][1], f->angle[i], f->spin[i], f->image[i][0], f->image[i][1]);
@@ -128,7 +128,7 @@ static void data_head(const export_job *job, const frame_data *f, FILE *out) {
   export_space s = export_space_of(job, f);
   fprintf(out,
           "slipdisk %s, step %" PRId64
-          ", time %.15g, units of the deck\n\n%zu atoms\n%zu atom types\n\n",
+          ", time %.17g, units of the deck\n\n%zu atoms\n%zu atom types\n\n",
           SD_VERSION, f->step, f->time, export_count(job, f), job->n_types ? job->n_types : 1);
   for (int c = 0; c < 3; c++)
     fprintf(out, "%.17g %.17g %slo %shi\n", s.lower[c], s.upper[c], names[c], names[c]);

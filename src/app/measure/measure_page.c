@@ -331,7 +331,7 @@ sd_status measure_tables_close(measure_tables *t, sd_status status, sd_messages 
 /* Writes a CSV cell; the cell is empty if the value is not finite. */
 static void number(FILE *out, double value) {
   if (isfinite(value))
-    fprintf(out, ",%.15g", value);
+    fprintf(out, ",%.17g", value);
   else
     fputc(',', out);
 }
@@ -354,7 +354,7 @@ static void add_disks(FILE *out, const measurement *m, const bool *wanted) {
     const sd_disk *d = &model->disks[i];
     bool closed = m->has_cells && m->cells.closed[i];
     double area = m->has_cells ? m->cells.area[i] : NAN;
-    fprintf(out, "%" PRId64 ",%u,%.15g,%.15g,%.15g,%d,%d,%d,%d", m->c.step, m->c.number[i],
+    fprintf(out, "%" PRId64 ",%u,%.17g,%.17g,%.17g,%d,%d,%d,%d", m->c.step, m->c.number[i],
             d->position[0], d->position[1], d->radius, d->driven, s->rattler[i],
             (int)s->contacts[i], (int)s->bearing[i]);
     number(out, measurement_pressure(m, i));
@@ -377,7 +377,7 @@ void measure_contacts(FILE *out, const configuration *c, const bool *wanted) {
     const config_contact *q = &c->contacts[k];
     uint32_t a = deck_number(c, q->a), b = deck_number(c, q->b);
     if (wanted && !wanted[a] && !wanted[b]) continue;
-    fprintf(out, "%" PRId64 ",%u,%u,%u,%.15g,%.15g,%.15g,%.15g,%.15g,%.15g", c->step, a, b, q->part,
+    fprintf(out, "%" PRId64 ",%u,%u,%u,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", c->step, a, b, q->part,
             q->x, q->y, q->nx, q->ny, q->overlap, q->force);
     bool known = isfinite(q->tau);
     number(out, q->tau);
@@ -396,14 +396,14 @@ void measure_contacts(FILE *out, const configuration *c, const bool *wanted) {
 static void add_pairs(FILE *out, const measurement *m) {
   const gsl_histogram *h = m->pairs.pairs;
   for (size_t k = 0; h && k < h->n; k++)
-    fprintf(out, "%" PRId64 ",%.15g,%.15g\n", m->c.step, 0.5 * (h->range[k] + h->range[k + 1]),
+    fprintf(out, "%" PRId64 ",%.17g,%.17g\n", m->c.step, 0.5 * (h->range[k] + h->range[k + 1]),
             h->bin[k]);
 }
 
 static void add_forces(FILE *out, const measurement *m) {
   const distribution *n = &m->pairs.normal, *t = &m->pairs.tangential, *f = &m->pairs.mobilised;
   for (size_t k = 0; n->histogram && k < n->histogram->n; k++) {
-    fprintf(out, "%" PRId64 ",%.15g,%.15g", m->c.step, n->histogram->range[k],
+    fprintf(out, "%" PRId64 ",%.17g,%.17g", m->c.step, n->histogram->range[k],
             n->histogram->range[k + 1]);
     number(out, distribution_density(n, k));
     number(out, t->histogram ? distribution_density(t, k) : NAN);

@@ -236,10 +236,10 @@ enum { WAVE_ROWS = 2001 };
 static void wave_row(FILE *out, const sd_sliding *s, double t, size_t piece) {
   const sd_sliding_piece *p = &s->pieces[piece];
   const char *name = theory_configuration(p->sign);
-  fprintf(out, "%.15g", t);
-  for (int i = 0; i < 2; i++) fprintf(out, ",%.15g", sd_sliding_support(&s->disk, &s->drive, i, t));
-  for (int i = 0; i < 2; i++) fprintf(out, ",%.15g", sd_sliding_angle(&s->drive, i, t));
-  fprintf(out, ",%.15g,%s\n", sd_sliding_omega(s, t), name ? name : "stuck");
+  fprintf(out, "%.17g", t);
+  for (int i = 0; i < 2; i++) fprintf(out, ",%.17g", sd_sliding_support(&s->disk, &s->drive, i, t));
+  for (int i = 0; i < 2; i++) fprintf(out, ",%.17g", sd_sliding_angle(&s->drive, i, t));
+  fprintf(out, ",%.17g,%s\n", sd_sliding_omega(s, t), name ? name : "stuck");
 }
 
 /* Writes rows at equal intervals of time, and a further row at each time at which a new sliding
