@@ -142,7 +142,7 @@ class Texts(Exports):
     def test_every_text_format_keeps_bits(self):
         old, there = self.open("rich")["particles/disks"], in_play(self.open("rich"), -1)
         for kind in "lammps-dump", "lammps-data", "extxyz", "csv":
-            path = self.export("rich", kind, "--frames=-1")
+            path = self.export("rich", kind, "--frames=-1", out="bits-" + kind)
             files = [f for f in path.rglob("*") if f.is_file()] if path.is_dir() else [path]
             texts = [f.read_bytes().decode("latin-1") for f in files]
             words = {float(w) for t in texts for w in re.findall(r"[-+]?\d+(?:\.\d*)?(?:e[-+]?\d+)?", t)}
