@@ -6,7 +6,7 @@ import time
 import unittest
 
 import numpy as np
-from plot_common import ROOT, make, matplotlib_or_skip, program
+from plot_common import ROOT, make, matplotlib_or_skip, program, run
 
 matplotlib_or_skip()
 
@@ -108,6 +108,23 @@ class Data(unittest.TestCase):
         keep = s["time"] >= 0.05
         np.testing.assert_array_equal(by_name["lost to friction"].get_ydata(), s["friction"][keep])
         np.testing.assert_array_equal(by_name["work of drives"].get_ydata(), (s["work"] + s["nonconservative_work"])[keep])
+
+    def test_energy_released_by_gravity_when_disks_come_and_go(self):
+        head = ('dt = 1e-3; integrator = "verlet"; gravity = { g = 10; }; materials = ( { name = "g"; k_n = 1e4; } );'
+                'phases = ( { name = "fall"; steps = 900; frames = 100; } ); output = { series = 10; };')
+        rain = ('packings = ( { type = "rain"; count = 4; rows = 1; interval = 0.2; x = (0, 1); y = (20, 30); sizes = "uniform"; '
+                'lower = 0.3; upper = 0.4; density = 1; } );')
+        disks = 'disks = ( { x = 0; y = 9; radius = 0.1; mass = 1; }, { x = 5; y = 1; radius = 0.1; mass = 1; } );'
+        for name, text in ("rain", rain), ("removed", disks + 'bounds = { y = (0, 99); outside = "remove"; };'):
+            (HERE / f"{name}.cfg").write_text(head + text)
+            run("run", HERE / f"{name}.cfg", "-o", HERE / f"{name}.h5", "--quiet")
+            result = slipdisk.Result(HERE / f"{name}.h5")
+            s = result.series
+            self.assertGreater(np.ptp(s["start"]), 0, name)
+            ax = plot.energy_budget(result, figure().subplots())
+            drawn = next(line for line in ax.lines if line.get_label() == "released by gravity").get_ydata()
+            kinetic = s["kinetic_translation"] + s["kinetic_rotation"]
+            np.testing.assert_allclose(drawn, kinetic - kinetic[0], atol=1e-9 * np.abs(s["start"]).max(), err_msg=name)
 
     def test_thinned_keeps_extremes(self):
         y = np.random.default_rng(1).normal(size=100_003)
