@@ -2,6 +2,7 @@
  * which makes the pictures. See docs/plots.md. */
 #include <errno.h>
 #include <limits.h>
+#include <signal.h>
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -260,9 +261,70 @@ static void add_all(word_list *list, const arguments *a) {
   if (a->dark) list->word[list->n++] = memory_text("--dark");
 }
 
-/* Replaces this process by the Python interpreter. Returns, with SD_ERROR_IO, only if that
- * fails. */
-static int become_python(const char *command, const arguments *a) {
+/* --- the child process ------------------------------------------------------------------------ */
+
+static volatile sig_atomic_t drawing; /* process id of the Python interpreter; 0: none */
+
+/* Hands a signal on. Those of a terminal reach the child, too, and are left to it. */
+static void hand_on(int number, siginfo_t *from, void *unused) {
+  (void)unused;
+  if (from->si_code <= 0 && drawing > 0) kill(drawing, number);
+}
+
+/* Returns the exit status of this process: that of Python if it is one of the program's, else
+ * SD_ERROR_IO after a message. A signal that ended Python on request ends this process, too. */
+static int status_of(const char *command, const char *python, int how) {
+  if (WIFSIGNALED(how)) {
+    const int number = WTERMSIG(how);
+    if (number == SIGINT || number == SIGTERM || number == SIGHUP) {
+      signal(number, SIG_DFL);
+      raise(number);
+    }
+    app_line(stderr, "error: slipdisk %s: %s was ended by signal %d (%s); no memory, perhaps",
+             command, python, number, strsignal(number));
+    return SD_ERROR_IO;
+  }
+  const int status = WEXITSTATUS(how);
+  if (status == SD_OK || (status >= SD_ERROR_USER && status <= SD_ERROR_IO) ||
+      status == 128 + SIGINT)
+    return status;
+  app_line(stderr,
+           "error: slipdisk %s: %s failed with status %d: it could not start, lacks a module or "
+           "has no memory; its own words stand before",
+           command, python, status);
+  return SD_ERROR_IO;
+}
+
+/* Runs the command line, waits for it and returns the exit status of this process. */
+static int run_python(const char *command, char **word) {
+  static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+  struct sigaction act = {.sa_sigaction = hand_on, .sa_flags = SA_SIGINFO | SA_RESTART}, was;
+  sigset_t few, before;
+  sigemptyset(&few);
+  for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) sigaddset(&few, numbers[k]);
+  sigprocmask(SIG_BLOCK, &few, &before);
+  fflush(NULL);
+  const pid_t child = fork();
+  if (child == 0) {
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    execvp(word[0], word);
+    app_line(stderr, "error: %s cannot be run: %s", word[0], strerror(errno));
+    _exit(SD_ERROR_IO);
+  }
+  drawing = child;
+  for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+    if (sigaction(numbers[k], NULL, &was) == 0 && was.sa_handler != SIG_IGN)
+      sigaction(numbers[k], &act, NULL);
+  sigprocmask(SIG_SETMASK, &before, NULL);
+  int how = 0;
+  while (child > 0 && waitpid(child, &how, 0) < 0)
+    if (errno != EINTR) return SD_ERROR_IO;
+  if (child > 0) return status_of(command, word[0], how);
+  app_line(stderr, "error: %s cannot be run: %s", word[0], strerror(errno));
+  return SD_ERROR_IO;
+}
+
+static int draw_with_python(const char *command, const arguments *a) {
   prepare_environment();
   const char *python = find_python(command);
   if (!python) return SD_ERROR_IO;
@@ -277,25 +339,33 @@ static int become_python(const char *command, const arguments *a) {
   add_all(&list, a);
   list.word[list.n++] = memory_text("--");
   list.word[list.n++] = memory_text(a->file);
-  execvp(python, list.word);
-  app_line(stderr, "error: %s cannot be run: %s", python, strerror(errno));
+  const int status = run_python(command, list.word);
   for (size_t k = 0; k < list.n; k++) free(list.word[k]);
   free(list.word);
-  return SD_ERROR_IO;
+  return status;
+}
+
+/* Finds the run that `name` names; a folder may also be that of a sweep. */
+static sd_status find_drawn(const char *name, sd_messages *messages) {
+  if (file_is_folder(name)) return SD_OK;
+  place p;
+  sd_status status = place_find(&p, name, messages);
+  place_free(&p);
+  return status;
 }
 
 static int draw(const command_line *line, int argc, char **argv) {
   arguments a = {.frame = NO_FRAME};
   int status = options_parse(line, argc, argv, &a);
   if (status == 0) status = examine(line->name, &a);
-  if (status == 0 && a.frames) {
-    sd_messages *messages = sd_messages_new();
-    option_range range;
+  sd_messages *messages = sd_messages_new();
+  option_range range;
+  if (status == 0) status = (int)find_drawn(a.file, messages);
+  if (status == 0 && a.frames)
     status = (int)options_range(a.frames, SIZE_MAX, a.file, &range, messages);
-    sd_messages_print(messages, stderr);
-    sd_messages_free(messages);
-  }
-  if (status == 0) status = become_python(line->name, &a);
+  sd_messages_print(messages, stderr);
+  sd_messages_free(messages);
+  if (status == 0) status = draw_with_python(line->name, &a);
   free(a.kinds.item);
   return status;
 }

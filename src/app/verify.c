@@ -191,8 +191,9 @@ static sd_status verify_named(verifier *v, const char *inside, sd_messages *mess
 /* Verifies a file, a folder of part files (RESULT.parts), an unfinished run given by the name of
  * its result, or the folder of a sweep. */
 static sd_status verify(verifier *v, const char *name, sd_messages *messages) {
+  sd_status status = place_refuse_deck(name, messages);
+  if (status != SD_OK) return status;
   char *parts = format_text("%s.parts", name);
-  sd_status status = SD_OK;
   if (file_is_folder(name))
     status = verify_named(v, name, messages);
   else if (file_exists(name))

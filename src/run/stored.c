@@ -16,11 +16,16 @@ static bool ends_with(const char *text, size_t length, const char *tail) {
   return length > n && strncmp(text + length - n, tail, n) == 0;
 }
 
+sd_status place_refuse_deck(const char *name, sd_messages *messages) {
+  if (h5_kind_of(name) != FILE_DECK || !file_exists(name)) return SD_OK;
+  return sd_fail(messages, SD_ERROR_USER, "%s is a deck; slipdisk run %s makes a result of it",
+                 name, name);
+}
+
 sd_status place_find(place *p, const char *name, sd_messages *messages) {
   *p = (place){0};
-  if (h5_kind_of(name) == FILE_DECK && file_exists(name))
-    return sd_fail(messages, SD_ERROR_USER, "%s is a deck; slipdisk run %s makes a result of it",
-                   name, name);
+  sd_status status = place_refuse_deck(name, messages);
+  if (status != SD_OK) return status;
   size_t length = strlen(name), tail = strlen(".parts");
   while (length > 1 && name[length - 1] == '/') length--;
   const char *slash = NULL;

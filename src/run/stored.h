@@ -13,6 +13,8 @@ typedef struct place {
   char *checkpoint;
 } place;
 
+/* SD_ERROR_USER: the file is a deck, where a result is expected. Else SD_OK. */
+sd_status place_refuse_deck(const char *name, sd_messages *messages);
 /* Fills p from `name`: path of a result file, of its folder of parts (RESULT.parts), or of a
  * checkpoint in that folder. SD_ERROR_USER: there is no such run, or `name` is a deck. Call
  * place_free also after an error. */

@@ -1,6 +1,9 @@
 """slipdisk plot: every kind of picture is made from real runs, in the three formats, and shows what is in the file."""
+import os
 import pathlib
+import signal
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
@@ -439,9 +442,8 @@ class Command(unittest.TestCase):
                 out, err = self.run_it("plot", *words, status=2)
                 self.assertIn(said, err)
                 self.assertEqual((out, len(err.splitlines())), ("", 1))
-        self.assertIn("missing.h5", self.run_it("plot", "missing.h5", status=4)[1])
+        self.assertIn("missing.h5", self.run_it("plot", "missing.h5", status=2)[1])
         self.assertIn("not a result", self.run_it("plot", "tilted.sweep/table.h5", status=4)[1])
-        self.assertIn("tilted.cfg is not a result; slipdisk run tilted.cfg makes one", self.run_it("plot", "tilted.cfg", status=4)[1])
 
     def test_no_half_file(self):
         before = sorted(HERE.iterdir())
@@ -449,7 +451,6 @@ class Command(unittest.TestCase):
         self.assertEqual(sorted(HERE.iterdir()), before)
 
     def test_what_is_missing_is_named(self):
-        import os
         done = subprocess.run([program(), "plot", "three.h5"], cwd=HERE, capture_output=True, text=True,
                               env={"SLIPDISK_PYTHON": "/nowhere/python3", "PATH": os.environ["PATH"]})
         if done.returncode == 0:  # another one has all
@@ -457,6 +458,37 @@ class Command(unittest.TestCase):
         else:
             self.assertIn("/nowhere/python3 does not run", done.stderr)
             self.assertIn("apt install", done.stderr)
+
+
+    def start(self, command, then):
+        """The command with a Python that has all modules, and then does this."""
+        python = HERE / "python"
+        python.write_text(f"#!/bin/sh\ncase $2 in *find_spec*) exit 64;; esac\n{then}\n")
+        python.chmod(0o755)
+        return subprocess.Popen([program(), command, "shaken.h5"], cwd=HERE, stderr=subprocess.PIPE, text=True,
+                                env={**os.environ, "SLIPDISK_PYTHON": str(python)})
+
+    def test_a_python_that_fails_ends_with_a_message(self):
+        missing = f"exec {sys.executable} -c 'import no_such_module'"
+        for then, status, said in (("exit 1", 4, "failed with status 1"), ("exit 120", 4, "failed with status 120"), (missing, 4, "no_such_module"),
+                                   ("kill -9 $$", 4, "ended by signal 9"), ("kill -6 $$", 4, "ended by signal 6"),
+                                   ("exit 0", 0, ""), ("exit 2", 2, ""), ("exit 3", 3, ""), ("exit 4", 4, ""), ("exit 130", 130, ""),
+                                   ("kill -15 $$", -15, "")):
+            for command in "plot", "film":
+                with self.subTest(then, command=command):
+                    process = self.start(command, then)
+                    err = process.communicate(timeout=600)[1]
+                    self.assertEqual(process.returncode, status, err)
+                    self.assertIn(said, err)
+                    self.assertEqual("error: slipdisk" in err, bool(said))
+
+    def test_signals_reach_python(self):
+        for number in signal.SIGTERM, signal.SIGINT, signal.SIGHUP:
+            with self.subTest(number):
+                with self.start("film", "trap 'echo told >&2; exit 3' TERM INT HUP; echo ready >&2; while :; do sleep 0.02; done") as process:
+                    self.assertEqual(process.stderr.readline(), "ready\n")
+                    process.send_signal(number)
+                    self.assertEqual((process.stderr.read(), process.wait()), ("told\n", 3))
 
 
 class Docs(unittest.TestCase):

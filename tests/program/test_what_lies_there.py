@@ -2,6 +2,7 @@
 disk keeps from being read is never called damaged or finished, and nothing is overwritten because of it."""
 import os
 import pathlib
+import re
 import shutil
 import tempfile
 import unittest
@@ -100,6 +101,23 @@ class There(unittest.TestCase):
             self.assertFalse((self.top / "r.h5.parts").exists())
             path.unlink()
         self.ask(4, NO_FILE, "resume", "/dev/null")
+
+    def test_one_status_for_what_a_command_does_not_read(self):
+        """Every command, with a deck where a result is expected, the other way round, and with a name of nothing."""
+        results = {"info": (), "measure": (), "verify": (), "plot": (), "film": (), "resume": (), "export": ("--to", "csv")}
+        decks = {"run": (), "check": (), "theory": (), "sweep": ()}
+        known = {*results, *decks, "view", "help"}
+        self.assertEqual(set(re.findall(r"^  slipdisk ([a-z]+) .*  [A-Z]", run("help")[1], re.M)) - {"version"}, known)
+        shutil.copy(self.top / "short.cfg", self.top / "part.inc")
+        for command, more in results.items():
+            for name, said in ("short.cfg", "short.cfg is a deck; slipdisk run short.cfg makes"), ("part.inc", "part.inc is a deck"), \
+                    ("none.h5", "there is neither a result none.h5 nor"), ("none.cfg", "there is neither a result none.cfg nor"):
+                with self.subTest(command, name=name):
+                    self.ask(2, said, command, name, *more)
+        for command in decks:
+            for name, said in ("good.h5", "it is an HDF5 file, not a text"), ("none.cfg", "No such file"):
+                with self.subTest(command, name=name):
+                    self.ask(2, said, command, name)
 
     def test_disks_of_a_deck(self):
         """The reason stands beside the place in the deck."""

@@ -93,6 +93,7 @@ class Interrupted(Error):
 class MissingPackage(Error, ImportError):
     """A call needs a Python package that is not installed; the message says how to install it."""
     __module__ = "slipdisk"
+    status = IO
 
 
 class Warning(UserWarning):  # noqa: A001  slipdisk.Warning

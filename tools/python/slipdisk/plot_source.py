@@ -7,7 +7,6 @@ import os
 import tempfile
 from typing import Any
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -39,9 +38,6 @@ class Source(Fixed):
 
     @checked
     def __init__(self, result: lib.StrPath | Result) -> None:
-        if not isinstance(result, Result) and os.path.isfile(result) and not h5py.is_hdf5(result):
-            deck = os.fspath(result).endswith(".cfg")
-            raise lib.FileError(f"{result} is not a result" + (f"; slipdisk run {result} makes one" if deck else " (no HDF5 file)"))
         self._set(result=result if isinstance(result, Result) else Result(result))
         self._set(path=self.result.path)
 
