@@ -1,6 +1,7 @@
 /* main.c: finds the subcommand and runs it. */
 #include <errno.h>
 #include <jansson.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
@@ -211,6 +212,34 @@ static void end_of_library(void) {
   _exit(SD_ERROR_IO);
 }
 
+/* Ends the process after a fault or a call of abort, which libraries make when they do not get
+ * memory. Signals that another process sends keep their effect. */
+static void end_of_fault(int number, siginfo_t *from, void *unused) {
+  (void)unused;
+  static const char text[] = "error: no memory, perhaps: a library has crashed, as some do then "
+                             "(if there is memory, it is "
+                             "a fault of slipdisk); what was saved before is not damaged\n";
+  const bool ours = number == SIGABRT ? from->si_pid == getpid() : from->si_code > 0;
+  if (!ours) {
+    raise(number); /* SA_RESETHAND has restored the default */
+    return;
+  }
+  ssize_t told = write(STDERR_FILENO, text, sizeof text - 1);
+  (void)told; /* An error of this write cannot be reported. */
+  _exit(SD_ERROR_IO);
+}
+
+/* Leaves handlers alone that are there already: those of sanitizers. */
+static void catch_faults(void) {
+  struct sigaction act = {.sa_sigaction = end_of_fault, .sa_flags = SA_SIGINFO | SA_RESETHAND}, was;
+  sigemptyset(&act.sa_mask);
+  for (int k = 0; k < 2; k++) {
+    const int number = k == 0 ? SIGSEGV : SIGABRT;
+    if (sigaction(number, NULL, &was) == 0 && was.sa_handler == SIG_DFL)
+      sigaction(number, &act, NULL);
+  }
+}
+
 static void *json_memory(size_t size) { return memory_new(size, 1); }
 
 /* Makes free return large blocks to the system. By default glibc raises its thresholds to the sizes
@@ -225,6 +254,7 @@ static void return_memory(void) {
 int main(int argc, char **argv) {
   return_memory();
   sd_on_no_memory(end_without_memory);
+  catch_faults();
   sd_set_program("/proc/self/exe");
   json_set_alloc_funcs(json_memory, free);
   if (atexit(end_of_library) != 0) memory_lacks(0);

@@ -57,6 +57,12 @@ class Limits(unittest.TestCase):
         self.assertLess(len(err), 100 * 1000)
         return err.decode()
 
+    def test_materials_beyond_the_limit_have_their_names(self):
+        many = "".join(f'{{ name = "m{k}"; k_n = 1e5; }}, ' for k in range(1001))
+        disks = DISK.replace("mass = 1.0;", 'mass = 1.0; material = "m1000";')
+        said = self.refuse(f"dt = 1e-4; steps = 10;\nmaterials = ( {many[:-2]} );\n{disks}", "1001 materials; expected at most 1000")
+        self.assertNotIn("is called that", said)
+
     def unseal(self, one, two):
         """A result as versions without checksums have written it: what is altered in it is read."""
         with h5py.File(self.folder / one) as new, h5py.File(self.folder / two, "w") as old:

@@ -32,6 +32,15 @@ class Memory(unittest.TestCase):
         self.assertGreater(sum(row.trials for row in rows), 80)
         self.assertEqual([f"{row.what}: {row.note}" for row in rows if row.failed], [])
 
+    def test_libraries_that_crash_are_told(self):
+        trials, crashes = memory.Trials(self.setup), 0
+        for n in range(20, 400, 10):
+            end = trials.call(["check", memory.THREE / "random.cfg", "--no-probe"], self.work, at=n)
+            self.assertIn(end.status, (0, 2, 4), n)
+            self.assertTrue(end.status == 0 or end.err.startswith(b"error: "), (n, end.err))
+            crashes += b"a library has crashed" in end.err
+        self.assertGreater(crashes, 0)
+
     def test_a_run_says_what_is_saved(self):
         trials = memory.Trials(self.setup)
         memory.begin(trials, self.work / "begun")

@@ -110,6 +110,10 @@ void deck_read_materials(deck *d) {
   m->laws = memory_new(n * n, sizeof *m->laws);
   m->n_materials = n;
   for (size_t k = 0; k < n; k++) read_material(d, list->child[k], k);
+  for (size_t k = n; list && k < list->n; k++) { /* beyond the limit: their names do exist */
+    const deck_node *name = deck_child(list->child[k], "name");
+    if (name && name->type == DECK_STRING) deck_index_add(d, &d->materials, name->value.text, 0);
+  }
   if (!list && !deck_child(d->root, "materials"))
     deck_fail_child(d, d->root, "materials",
                     "missing: expected ( { name = \"...\"; k_n = ...; ... } )");
