@@ -231,7 +231,11 @@ static void end_of_fault(int number, siginfo_t *from, void *unused) {
 
 /* Leaves handlers alone that are there already: those of sanitizers. */
 static void catch_faults(void) {
-  struct sigaction act = {.sa_sigaction = end_of_fault, .sa_flags = SA_SIGINFO | SA_RESETHAND}, was;
+  struct sigaction act = {.sa_sigaction = end_of_fault,
+                          .sa_flags = SA_SIGINFO | SA_RESETHAND | SA_ONSTACK},
+                   was;
+  static char room[1 << 16]; /* for a library whose recursion has no end */
+  sigaltstack(&(stack_t){.ss_sp = room, .ss_size = sizeof room}, NULL);
   sigemptyset(&act.sa_mask);
   for (int k = 0; k < 2; k++) {
     const int number = k == 0 ? SIGSEGV : SIGABRT;
