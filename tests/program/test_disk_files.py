@@ -124,6 +124,28 @@ class Lammps(Files):
         self.assertTrue((disks["vx"] == 0).all())
         self.assertEqual(list(disks["group"]), [{1: 0, 2: 1}[t] for t in atoms[:, 1]])
 
+    def test_a_column_may_have_a_factor_whatever_the_format(self):
+        """What a hint proposes for diameters gives the radii."""
+        expected = self.lines("Atoms # sphere")[:, 2] / 2
+        halved = 'density = 3; columns = ("x", "y", "radius = 0.5 * diameter");'
+        self.assertEqual(list(self.start_of(self.deck(halved))["radius"]), list(expected))
+        self.assertEqual(list(self.start_of(self.deck('density = 3; columns = ("x", "y", "radius");'))["radius"]), list(expected))
+        n = range(len(expected))
+        self.write("d.csv", "PosX,PosY,Diameter,Rho\n" + "".join(f"{k},0,{2 * expected[k]!r},1\n" for k in n))
+        with h5py.File(self.folder / "d.h5", "w") as file:
+            for name, values in (("x", [float(k) for k in n]), ("y", [0.0 for _ in n]), ("diameter", 2 * expected)):
+                file["grains/" + name] = values
+        for name, columns in (("d.csv", '"x = PosX", "y = PosY", "radius = 0.5 * Diameter"'), ("d.h5", '"x", "y", "radius = 0.5*diameter"')):
+            with self.subTest(name):
+                more = 'dataset = "grains"; ' if name == "d.h5" else ""
+                disks = self.start_of(OPEN + f'disk_files = ( {{ file = "{name}"; {more}density = 3; columns = ({columns}); }} );')
+                self.assertEqual(list(disks["radius"]), list(expected))
+        self.refuse(OPEN + 'disk_files = ( { file = "d.csv"; density = 3; columns = ("x = PosX", "y = PosY", "radius"); } );',
+                    'no column "radius" in the line of names; did you mean "radius = 0.5 * Diameter"?')
+        self.refuse(OPEN + 'disk_files = ( { file = "d.csv"; density = 3; columns = ("diameter"); } );', 'did you mean "radius = 0.5 * diameter"?')
+        self.refuse(OPEN + 'disk_files = ( { file = "d.csv"; density = 3; columns = ("x = PosX", "group = 2 * Rho"); } );',
+                    'column "group" has words; expected a name without a factor')
+
     def test_common_values_go_before(self):
         disks = self.start_of(self.deck("density = 3; radius = 0.1; vx = 0; vy = 0; omega = 0;"))
         self.assertTrue((disks["radius"] == 0.1).all() and (disks["vx"] == 0).all())

@@ -2,7 +2,9 @@
  * that are written in the deck itself. See deck_rows.h. */
 #include <ctype.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/limits.h"
 #include "base/text.h"
@@ -21,8 +23,76 @@ int deck_column(const char *name) {
 
 /* --- the key `columns` ------------------------------------------------------------------------ */
 
-/* Parses an entry of `columns`, such as "radius" or "radius = NAME IN THE FILE", and adds the
- * column to the table. */
+/* Names of columns in files of other programs, in lower case. Others are not guessed: a column that
+ * is only spelt alike, such as Rho, would give wrong disks without a word. */
+static const struct column_word {
+  const char *word;
+  int column;
+  const char *factor;
+} column_words[] = {{"posx", COLUMN_X, ""},
+                    {"posy", COLUMN_Y, ""},
+                    {"pos_x", COLUMN_X, ""},
+                    {"pos_y", COLUMN_Y, ""},
+                    {"position_x", COLUMN_X, ""},
+                    {"position_y", COLUMN_Y, ""},
+                    {"position.x", COLUMN_X, ""},
+                    {"position.y", COLUMN_Y, ""},
+                    {"points:0", COLUMN_X, ""},
+                    {"points:1", COLUMN_Y, ""},
+                    {"x", COLUMN_X, ""},
+                    {"y", COLUMN_Y, ""},
+                    {"r", COLUMN_RADIUS, ""},
+                    {"rad", COLUMN_RADIUS, ""},
+                    {"radius", COLUMN_RADIUS, ""},
+                    {"radii", COLUMN_RADIUS, ""},
+                    {"d", COLUMN_RADIUS, "0.5 * "},
+                    {"diam", COLUMN_RADIUS, "0.5 * "},
+                    {"dia", COLUMN_RADIUS, "0.5 * "},
+                    {"diameter", COLUMN_RADIUS, "0.5 * "}};
+
+const char *deck_columns_entry(deck *d, const char *source, int *column) {
+  for (size_t k = 0; k < sizeof column_words / sizeof *column_words; k++) {
+    const struct column_word *w = &column_words[k];
+    if (strcasecmp(w->word, source) != 0) continue;
+    *column = w->column;
+    const char *ours = deck_column_names[w->column];
+    return strcmp(ours, source) == 0 ? ours
+                                     : deck_format(d, "%s = %s%s", ours, w->factor,
+                                                   deck_quote(d, source, strlen(source)));
+  }
+  return NULL;
+}
+
+/* Takes a factor off the text: returns the name behind "NUMBER *", or the whole text. */
+static const char *factor_of(const char *text, double *factor) {
+  char *end;
+  const double value = strtod(text, &end);
+  *factor = 1.0;
+  while (end != text && isspace((unsigned char)*end)) end++;
+  if (end == text || *end != '*' || !isfinite(value)) return text;
+  *factor = value;
+  for (end++; isspace((unsigned char)*end);) end++;
+  return end;
+}
+
+/* What is wrong with a name that no column of disks has. */
+static const char *unknown_column(deck *d, const char *name, const char *shown) {
+  int column;
+  const char *entry = deck_columns_entry(d, name, &column);
+  guess near = guess_start(name);
+  for (int k = 0; k < COLUMN_KINDS; k++) guess_add(&near, deck_column_names[k]);
+  return entry ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown,
+                             entry)
+         : near.best
+             ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown,
+                           near.best)
+             : deck_format(d,
+                           "no column of disks is called \"%s\"; expected x, y, radius, mass, ...",
+                           shown);
+}
+
+/* Parses an entry of `columns`, such as "radius", "radius = NAME IN THE FILE" or "radius = 0.5 *
+ * NAME IN THE FILE", and adds the column to the table. */
 bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck_node *node,
                       deck_place place) {
   const char *equals = strchr(text, '=');
@@ -32,23 +102,18 @@ bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck
   const char *shown = deck_quote(d, text, n);
   while (isspace((unsigned char)*source)) source++;
   int column = deck_column(name);
-  const char *wrong = NULL;
-  if (column < 0) {
-    guess near = guess_start(name);
-    for (int k = 0; k < COLUMN_KINDS; k++) guess_add(&near, deck_column_names[k]);
-    wrong = near.best
-                ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown,
-                              near.best)
-                : deck_format(
-                      d, "no column of disks is called \"%s\"; expected x, y, radius, mass, ...",
-                      shown);
-  }
+  const char *wrong = column < 0 ? unknown_column(d, name, shown) : NULL;
+  double factor = 1.0;
+  if (equals) source = factor_of(source, &factor);
+  if (!wrong && factor != 1.0 && column >= COLUMN_NUMBERS)
+    wrong = deck_format(d, "column \"%s\" has words; expected a name without a factor", name);
   for (size_t k = 0; k < table->n_columns && !wrong; k++)
     if (table->column[k] == column) wrong = deck_format(d, "column \"%s\" is there twice", name);
   if (wrong && node) deck_fail(d, node, "%s", wrong);
   if (wrong && !node) deck_fail_place(d, place, "%s", wrong);
   if (wrong) return false;
   table->source[table->n_columns] = source;
+  table->factor[table->n_columns] = factor;
   table->column[table->n_columns++] = column;
   return true;
 }

@@ -543,16 +543,20 @@ static void read_frame(lammps *in) {
 
 /* Returns which value of an atom (enum source) column c of the table takes; NO_COLUMN after an
  * error, which is reported. */
-static int find_source(const deck_group *g, const lammps *in, const deck_columns *t, size_t c) {
+static int find_source(const deck_group *g, const lammps *in, deck_columns *t, size_t c) {
   const char *column = deck_column_names[t->column[c]];
   int s = 0;
+  if (strcmp(t->source[c], "diameter") == 0) { /* it was read as a radius */
+    t->source[c] = source_names[RADIUS];
+    t->factor[c] *= 2.0;
+  }
   while (s < SOURCES && strcmp(source_names[s], t->source[c]) != 0) s++;
   if (s == SOURCES) {
     bool density = strcmp(t->source[c], "density") == 0;
-    deck_fail_key(
-        g, "columns", "column \"%s\": %s", t->source[c],
-        density ? "that of LAMMPS is mass over the volume of a sphere; take \"mass\""
-                : "expected x, y, radius, mass, vx, vy, omega, angle, type or id of a LAMMPS file");
+    deck_fail_key(g, "columns", "column \"%s\": %s", t->source[c],
+                  density ? "that of LAMMPS is mass over the volume of a sphere; take \"mass\""
+                          : "expected x, y, radius, diameter, mass, vx, vy, omega, angle, type or "
+                            "id of a LAMMPS file");
     return NO_COLUMN;
   }
   if (!in->has[s]) {

@@ -130,14 +130,29 @@ static bool csv_number(const csv *in, const char *column, const char *text, doub
   return false;
 }
 
+/* Returns the entry of `columns` by which the file gives this column of disks, as far as its names
+ * are known; else NULL. */
+static const char *entry_for(const csv *in, int column) {
+  if (csv_find(in, deck_column_names[column]) != SIZE_MAX) return deck_column_names[column];
+  for (size_t k = 0; k < in->n_fields; k++) {
+    int found;
+    const char *entry = deck_columns_entry(in->d, in->field[k], &found);
+    if (entry && found == column) return entry;
+  }
+  return NULL;
+}
+
 static size_t csv_find_reported(const csv *in, const char *name) {
   size_t k = csv_find(in, name);
   if (k != SIZE_MAX) return k;
   guess near = guess_start(name);
   for (size_t j = 0; j < in->n_fields; j++) guess_add(&near, in->field[j]);
-  if (near.best) {
+  const int column = deck_column(name);
+  const char *best = column >= 0 ? entry_for(in, column) : NULL;
+  if (!best) best = near.best;
+  if (best) {
     deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; did you mean \"%s\"?",
-                    name, near.best);
+                    name, best);
     return SIZE_MAX;
   }
   const char *found = "";
@@ -158,17 +173,15 @@ static bool csv_row_is_whole(const csv *in, size_t n) {
   return false;
 }
 
-/* Returns a suggestion for the key `columns`, such as columns = ("x", "y", "radius = diameter"), as
- * far as the names in the file allow it. */
+/* Returns a suggestion for the key `columns`, such as columns = ("x", "y", "radius = 0.5 * Diameter"),
+ * with NAME where the names in the file say nothing. */
 static const char *example_columns(const csv *in) {
-  static const char *const usual[] = {"x", "y", "radius"}, *const letters[] = {"xX", "yY", "rR"};
+  static const int usual[] = {COLUMN_X, COLUMN_Y, COLUMN_RADIUS};
   const char *text = "columns = (";
   for (int c = 0; c < 3; c++) {
-    const char *source = NULL;
-    for (size_t k = 0; k < in->n_fields && csv_find(in, usual[c]) == SIZE_MAX && !source; k++)
-      if (deck_column(in->field[k]) < 0 && strpbrk(in->field[k], letters[c])) source = in->field[k];
-    text = deck_format(in->d, "%s%s\"%s%s%s\"", text, c ? ", " : "", usual[c], source ? " = " : "",
-                       source ? deck_quote(in->d, source, strlen(source)) : "");
+    const char *entry = entry_for(in, usual[c]);
+    text = deck_format(in->d, entry ? "%s%s\"%s\"" : "%s%s\"%s = NAME\"", text, c ? ", " : "",
+                       entry ? entry : deck_column_names[usual[c]]);
   }
   return deck_format(in->d, "%s)", text);
 }

@@ -31,6 +31,7 @@ typedef struct deck_columns {
   size_t n_columns, n_rows, capacity;
   int column[COLUMN_KINDS];
   const char *source[COLUMN_KINDS]; /* [n_columns]: name of each column in the file */
+  double factor[COLUMN_KINDS];      /* [n_columns]: numbers of the file are multiplied by this */
   double *number;                   /* [n_rows * n_columns], row by row; NAN in columns of texts */
   /* [n_rows * n_columns], row by row; NULL in columns of numbers. The pointer is NULL without
    * columns of texts */
@@ -48,6 +49,10 @@ typedef struct deck_columns {
   const deck_node *file; /* Node of the deck with the name of the file, for messages */
 } deck_columns;
 
+/* Returns an entry of `columns` for a column of a file whose name is known from other programs, such
+ * as "radius = 0.5 * Diameter"; NULL: the name says nothing. *column: receives the column of disks
+ * that it gives. */
+const char *deck_columns_entry(deck *d, const char *source, int *column);
 bool deck_columns_have(const deck_columns *table, int column);
 
 /* Reads the entries of `disks` and adds them to the model. In deck_disks.c. */
