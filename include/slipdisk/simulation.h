@@ -142,7 +142,8 @@ SD_API sd_status sd_simulation_remove_disks(sd_simulation *simulation, size_t n,
  *   motion.velocity motion.amplitude   number of a motion that has this constant
  *   motion.force motion.pressure
  *
- * Energy: changes of kinetic, potential and stored energy are added to `work` of the energy budget.
+ * Energy: changes of kinetic, potential and stored energy are added to `work` of the energy budget,
+ * those by "held" to `start`: the budget has no energy of a held disk.
  *
  * Contacts: a disk that is set to another place begins its contacts anew, with relaxed springs.
  * All other changes keep the tangential displacement zeta of a contact, and what it has lost; its
@@ -233,8 +234,8 @@ typedef struct sd_energy {
   double elastic_normal, elastic_tangential, elastic_rolling;
   double cohesion; /* potential energy of attractions, <= 0; 0 beyond their range */
   double external; /* potential energy in gravity and constant body forces */
-  /* Sum of the energies listed above at step 0, plus those of disks added and minus those of
-   * disks removed since then */
+  /* Sum of the energies listed above at step 0, plus those of disks added or released and minus
+   * those of disks removed or held since then */
   double start;
   /* Work done by prescribed bodies and coordinates, by compression, by force fields and by
    * sd_simulation_set */

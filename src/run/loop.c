@@ -154,7 +154,7 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   const bool steers = steer_is_due(e);
   const double residual = steers ? energy_of(e).residual : 0.0;
   status = loop_begin_phase(e, messages);
-  if (status == SD_OK && steers) status = steer_finish(e, residual, messages);
+  if (status == SD_OK && steers) status = steer_finish(e, residual, true, messages);
   if (status == SD_OK && steps_are_measured(e)) measure_begin(e);
   return status;
 }

@@ -570,7 +570,8 @@ static sd_status set(steering *c) {
     const double residual = energy_of(e).residual;
     engine_ready(e, c->messages);
     status = change(c);
-    if (status == SD_OK) status = steer_finish(e, residual, c->messages);
+    if (status == SD_OK)
+      status = steer_finish(e, residual, c->row->kind == STEER_HELD, c->messages);
     if (status == SD_ERROR_IO) loop_release(e); /* half changed: lost */
   }
   sd_model_free(c->next);

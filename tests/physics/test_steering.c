@@ -207,6 +207,7 @@ static void falls(sd_simulation *sim, double x, double vx, double vy) {
   near(get(sim, "y", 1), -5 * 0.09, 1e-12);
   near(get(sim, "x", 1), x + 0.3 * vx, 1e-12);
   near(get(sim, "vy", 1), vy, 1e-12);
+  near(sd_simulation_energy(sim).work, 0, 1e-12); /* neither holding nor releasing does work */
   closed(sim, 1e-12);
 }
 

@@ -46,6 +46,11 @@ walls = ( { name = "floor"; type = "line"; points = ((-1, 0), (1, 0)); } );
 disks = ( { name = "a"; x = 0; y = 0.0999; radius = 0.1; mass = 0.1; }, { name = "b"; x = 0.5; y = 0.09998; radius = 0.1; mass = 0.1; } );
 phases = ( { name = "go"; time = 1; frames = 2000; contacts = 2000; series = 500; } );
 """
+HELD = """title = "one falls, one stops"; dt = 1e-3; gravity = { g = 10; };
+materials = ( { name = "m"; k_n = 1e4; k_t = 8e3; gamma_n = 5; mu = 0.5; } );
+disks = ( { name = "a"; x = 0; y = 3; radius = 0.5; mass = 1; fixed = true; }, { name = "b"; x = 4; y = 2; radius = 0.5; mass = 1; } );
+phases = ( { steps = 300; frames = 100; }, { steps = 300; frames = 100; release = "a"; hold = "b"; } );
+"""
 FAR = """title = "one is far away"; dt = 1e-4; gravity = {{ g = 9.81; }};
 materials = ( {{ name = "grain"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.5; }} );
 disks = ( {disks} );
@@ -271,6 +276,19 @@ class Viewer(unittest.TestCase):
         self.click(0.75 * over.size["width"], 40, over)
         self.wait(lambda: abs(self.state("time") - 0.75 * end) < 0.1, "the time that was clicked in a plot")
         self.assertGreaterEqual(self.state("plots"), 3)
+
+    def test_plots_tell_the_energy_that_disks_bring(self):
+        (self.folder / "held.cfg").write_text(HELD)
+        slipdisk("run", self.folder / "held.cfg", "-q", "-o", self.folder / "held.h5")
+        slipdisk("view", self.folder / "held.h5", "-o", self.folder / "held.html")
+        told = "return [...document.querySelectorAll('#plots .u-series')].map(e => e.textContent)"
+        self.look("held.html")
+        self.go(self.state("frames") - 1)
+        # 30 with the one that is released; 15.5 and 4.5, potential and kinetic, gone with the one that is held
+        self.wait(lambda: "brought by disks10" in self.script(told), "the energy that disks brought")
+        self.look("drum.html")
+        self.go(self.state("frames") - 1)
+        self.assertEqual([text for text in self.script(told) if "brought" in text], [])
 
     def test_colours_forces_and_view(self):
         self.look("drum.html")

@@ -116,9 +116,10 @@ sd_status steer_begin_phase(engine *e) {
 
 /* --- budget ----------------------------------------------------------------------------------- */
 
-sd_status steer_finish(engine *e, double residual, sd_messages *messages) {
+sd_status steer_finish(engine *e, double residual, bool holds, sd_messages *messages) {
   fields_renew(e);
   const sd_status status = renew_forces(e, messages);
-  if (status == SD_OK) e->state->work_driven += energy_of(e).residual - residual;
+  if (status != SD_OK) return status;
+  *(holds ? &e->state->energy_start : &e->state->work_driven) += energy_of(e).residual - residual;
   return status;
 }

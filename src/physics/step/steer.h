@@ -33,8 +33,9 @@ bool steer_is_due(const engine *e);
 sd_status steer_begin_phase(engine *e);
 
 /* Evaluates forces and accelerations after bodies or constants were changed, and adds the change of
- * the energy budget's residual to the work, so that the residual stays as it was. residual: its
- * value before the change. Collective; statuses as those of rescale (step.h). */
-sd_status steer_finish(engine *e, double residual, sd_messages *messages);
+ * the energy budget's residual to the work, so that the residual stays as it was. holds: disks were
+ * held or released; the change is then energy that they brought or took along (`start`). residual:
+ * its value before the change. Collective; statuses as those of rescale (step.h). */
+sd_status steer_finish(engine *e, double residual, bool holds, sd_messages *messages);
 
 #endif

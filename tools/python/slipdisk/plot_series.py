@@ -161,8 +161,10 @@ def energy_budget(result: Drawable, ax: Axes | None = None, *, time: Sequence[fl
     s = source.series
     t = s["time"]
     keep = within(t, time)
-    brought = s["start"] - s["start"][0]  # by disks that came, less what went with others
-    lines = [("work of drives", s["work"] + s["nonconservative_work"]), ("released by gravity", s["external"][0] + brought - s["external"])]
+    # `external` jumps when disks come or go, `start` then jumps by all their energy: their height cancels, their motion is left
+    brought = s["start"] - s["start"][0]
+    released = "released by gravity" + (", motion of disks that came or went" if brought.any() else "")
+    lines = [("work of drives", s["work"] + s["nonconservative_work"]), (released, s["external"][0] - s["external"] + brought)]
     lost = [("lost to friction", s["friction"]), ("lost to viscosity", s["viscous"]), ("lost in opening contacts", s["opening"])]
     lost += [(name, s[key]) for key, name in (("rolling", "lost to rolling"), ("bridge", "lost in forming bridges"), ("drag", "lost to drag"),
                                               ("damping", "lost to damping"), ("relaxed", "taken out by the relaxer")) if key in s]

@@ -139,7 +139,6 @@ function plotGroups(meta) {
   const series = meta.series || [], budget = meta.budget || {}, groups = new Map();
   const put = (title, s) => groups.set(title, [...(groups.get(title) || []), s]);
   const stored = new Set(budget.stored), moved = new Set([...(budget.supplied || []), ...(budget.lost || [])]);
-  moved.delete("start");
   for (const s of series) {
     const base = s.name.replace(/\[.*\]$/, "");
     if (s.section !== "energy") put(seriesTitle(s, base), s);
@@ -162,6 +161,10 @@ function seriesTitle(series, base) {
   return words[0].toUpperCase() + words.slice(1);
 }
 
+function seriesLabel(series) {
+  return series.section === "energy" && series.name === "start" ? "brought by disks" : series.name.replaceAll("_", " ");
+}
+
 /* The plots of the side panel. Closed ones are made when they are opened. */
 class SeriesPlots {
   constructor(parent, meta, chunk, jump) {
@@ -178,7 +181,7 @@ class SeriesPlots {
   }
 
   addGroup(group, open) {
-    const shown = group.series.filter((s) => this.meta.kind === "live" || this.columns.get(s.name).some((v) => v !== 0));
+    const shown = group.series.filter((s) => this.meta.kind === "live" || this.valuesOf(s).some((v) => v !== 0));
     if (shown.length === 0) return;
     const unit = shown[0].unit && shown[0].unit !== "1" ? ` (${shown[0].unit})` : "";
     const details = document.createElement("details"), summary = document.createElement("summary");
@@ -197,7 +200,7 @@ class SeriesPlots {
   make(place, shown) {
     if (place.plot) return;
     const prefix = shown.length > 1 && shown.every((s) => s.name.includes("["));
-    const lines = shown.map((s) => ({ label: prefix ? s.name.replace(/^.*\[(.*)\]$/, "$1") : s.name.replaceAll("_", " ") }));
+    const lines = shown.map((s) => ({ label: prefix ? s.name.replace(/^.*\[(.*)\]$/, "$1") : seriesLabel(s) }));
     place.plot = new Plot(place, lines, this.dataOf(shown), this.jump, 150, shown[0].section === "energy" ? this.rounding() : 0);
     place.plot.shown = shown;
     this.open.push(place.plot);
@@ -212,8 +215,14 @@ class SeriesPlots {
     return 1e-14 * largest;
   }
 
+  /* Of the energy at step 0 only what disks that came or went have changed since. */
+  valuesOf(s) {
+    const values = this.columns.get(s.name);
+    return s.section === "energy" && s.name === "start" ? values.map((v) => v - values[0]) : values;
+  }
+
   dataOf(shown) {
-    return [this.columns.get("time"), ...shown.map((s) => this.columns.get(s.name))];
+    return [this.columns.get("time"), ...shown.map((s) => this.valuesOf(s))];
   }
 
   /* More rows of a running simulation. */
