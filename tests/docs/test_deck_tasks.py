@@ -34,6 +34,7 @@ BASE = {
 ROW = re.compile(r"^\| (.+?) \| \[(.+?)\]\(.*?\).*? \| (.+) \|$", re.M)
 FILES = {
     "grains.csv": "x,y,radius\n0.3,1,0.02\n0.4,1,0.03\n",
+    "measured.csv": "PosX,PosY,Diameter\n0.3,1,0.04\n0.4,1,0.06\n",
     "motion.csv": "time,value\n0,0\n0.1,0\n0.2,1\n0.3,0\n0.4,0\n",
     "packing.data": "grains\n\n1 atoms\n1 atom types\n-1 1 xlo xhi\n-1 3 ylo yhi\n-0.5 0.5 zlo zhi\n\n"
                     "Atoms # sphere\n\n1 1 0.04 1000 0.3 1.2 0\n",

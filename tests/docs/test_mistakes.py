@@ -240,6 +240,8 @@ TABLES = {
         table("`1,1,0.1` in the first line", "1,1,0.1\n2,1,0.1\n"),
         table("`X,Y,R`", "X,Y,R\n1,1,0.1\n"),
         table("`id,pos_x,pos_y,diameter`", "id,pos_x,pos_y,diameter\n1,1,1,0.1\n"),
+        table("`PosX,PosY,Rho,Index`", "PosX,PosY,Rho,Index\n1,1,1,1\n"),
+        table("`Points:0,Points:1,D`", "Points:0,Points:1,D\n1,1,0.1\n"),
         table("`x,y,radius,id`", "x,y,radius,id\n1,1,0.1,1\n"),
         table("`x,y,radius,`", "x,y,radius,\n1,1,0.1,\n"),
         table('`"x","y","radius"` and `"1","1","0.1"`', '"x","y","radius"\n"1","1","0.1"\n'),
