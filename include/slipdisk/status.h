@@ -72,9 +72,9 @@ SD_API void sd_messages_print(const sd_messages *m, FILE *out);
  * thread whose allocation failed. It must not return: it may write a line and leave by _exit, but
  * not allocate. Large arrays, with a row per disk, contact, pair or row of output, need no handler:
  * their functions return SD_ERROR_IO, or what their comment says. Nor do functions that only make
- * something new: sd_deck_load, sd_deck_load_text, sd_simulation_new, _clone, _load, _load_memory and
- * _measure return SD_ERROR_IO with the message "no memory", and sd_model_advise adds that message;
- * what they had begun is not freed. */
+ * something new: sd_deck_load, sd_deck_load_text, sd_simulation_new, _clone, _load, _load_memory
+ * and _measure return SD_ERROR_IO with the message "no memory", and sd_model_advise adds that
+ * message; what they had begun is not freed. */
 typedef void sd_memory_handler(size_t bytes);
 /* Sets the handler for all threads. NULL, the default, writes a line to the standard error output
  * and calls abort(). */

@@ -50,8 +50,8 @@ void *memory_hold(void) {
 
 void memory_release(void *held) { escape = held; }
 
-/* Leaves memory_try, or calls the out-of-memory handler, or prints a message, and ends the process. Other threads that
- * run out of memory meanwhile wait here until the process ends. */
+/* Leaves memory_try, or calls the out-of-memory handler, or prints a message, and ends the process.
+ * Other threads that run out of memory meanwhile wait here until the process ends. */
 _Noreturn void memory_lacks(size_t bytes) {
   if (escape) longjmp(*escape, 1);
   while (atomic_flag_test_and_set(&called)) pause();

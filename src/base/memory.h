@@ -32,13 +32,13 @@ char *memory_text(const char *text);
  * returns NULL because memory ran out. bytes: size of the failed allocation. */
 _Noreturn void memory_lacks(size_t bytes);
 
-/* Calls make(task) and returns true. If memory for a small object runs out in it, in this thread, no
- * handler is called: make is left by longjmp, what it had made is lost but not freed, and false is
- * returned. For functions that only make something new, change nothing that exists, and call no
+/* Calls make(task) and returns true. If memory for a small object runs out in it, in this thread,
+ * no handler is called: make is left by longjmp, what it had made is lost but not freed, and false
+ * is returned. For functions that only make something new, change nothing that exists, and call no
  * function of the user. */
 bool memory_try(void (*make)(void *task), void *task);
-/* From memory_hold to memory_release with its result, this thread calls the handler also within
- * memory_try: where a function of another library calls back, which must not be left. */
+/* memory_hold lets this thread call the handler also within memory_try, until memory_release gets
+ * its result: for functions that another library calls back, which longjmp must not leave. */
 void *memory_hold(void);
 void memory_release(void *held);
 

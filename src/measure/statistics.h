@@ -10,7 +10,7 @@ double statistics_mean(const double *x, size_t n);
 double statistics_deviation(const double *x, size_t n, double mean, double divisor);
 /* Mean of the power 3 or 4 of (x - mean)/deviation. */
 double statistics_moment(const double *x, size_t n, double mean, double deviation, int power);
-/* Of ascending numbers; f: fraction of numbers below the quantile. */
+/* Quantile of ascending numbers; f: fraction of numbers below it. */
 double statistics_median(const double *ascending, size_t n);
 double statistics_quantile(const double *ascending, size_t n, double f);
 double statistics_correlation(const double *x, const double *y, size_t n);

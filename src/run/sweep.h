@@ -61,8 +61,8 @@ typedef struct sweep_result {
   unsigned doubts; /* doubts about a finished result, as bits 1 << doubt_kind; 0: none */
   bool has_found;  /* true: `found` is set */
   summary found;   /* summary at the end if the point is finished, else at the last checkpoint */
-  /* explanation if the point failed, is damaged, unreadable or was made with another deck, lines joined by ";
-   * "; doubts if it is finished; else "" */
+  /* explanation if the point failed, is damaged, unreadable or was made with another deck, lines
+   * joined by semicolons; doubts if it is finished; else "" */
   char *message;
   size_t n_differences; /* number of differences between the decks, if status is SWEEP_OTHER */
   sweep_difference *differences;
@@ -147,8 +147,8 @@ typedef struct sweep_options {
 
 /* Runs n points, or continues them, side by side (session.h). A point that is finished, or that
  * another process runs, is skipped (SD_OK); it is SD_ERROR_USER if its result is damaged or was
- * made with another deck, SD_ERROR_IO if it cannot be read. Each point ends independently: if one fails, its messages are also
- * written to NAME.failed, and the other points continue. */
+ * made with another deck, SD_ERROR_IO if it cannot be read. Each point ends independently: if one
+ * fails, its messages are also written to NAME.failed, and the other points continue. */
 void sweep_run(const sweep *s, size_t n, const size_t *points, const sweep_options *options);
 /* Loads the model of a point and makes the path of its result, both freed by the caller, for
  * callers that run the point themselves. */

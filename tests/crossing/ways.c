@@ -9,8 +9,8 @@
  *   ways --list      names of the ways
  *
  * The plainest way is one thread, the narrowest vectors, the general step, one step at a time.
- * Small chunks (SLIPDISK_CHUNK) let decks of a few dozen disks be taken in windows. The status is 1 if
- * any way was wrong.
+ * Small chunks (SLIPDISK_CHUNK) let decks of a few dozen disks be taken in windows. The status is 1
+ * if any way was wrong.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -54,7 +54,7 @@ static const way ways[] = {
 };
 enum { WAYS = sizeof ways / sizeof *ways };
 
-/* What a way has come to. */
+/* Outcome of a run in one way. */
 typedef struct outcome {
   sd_status status;
   sd_state *end;
@@ -209,7 +209,7 @@ static void name_column(const sd_state *a, const sd_state *b, char *what, size_t
              ((const double *)p)[k]);
 }
 
-/* What differs, or "". */
+/* Describes the first difference of two outcomes; "": there is none. */
 static const char *difference(const outcome *a, const outcome *b, char *what, size_t size) {
   what[0] = '\0';
   if (a->status != b->status)

@@ -1,19 +1,10 @@
 """Relations that must hold whatever the deck (tools/relations), on decks at random: mirrors, turns, shifts, other frames and
 orders, restarts, shapes of a wall, balance of forces. A small sample of what `tools/soak.sh relations` tries."""
-import os
-import pathlib
-import sys
 import unittest
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
-if not (BUILD / "libslipdisk.so").exists():
-    print(f"no library in {BUILD} (sanitizer builds have none): relations are left out")
-    sys.exit(0)
-sys.path.insert(0, str(ROOT / "tools"))
-sys.dont_write_bytecode = True
+import package  # noqa: F401
 
-from relations import decks, maps, table, watch  # noqa: E402
+from relations import decks, maps, table, watch
 
 DECKS = 16      # of a relation that is tried in this process, a quarter of it where the program is run
 APART = 10_000  # numbers of decks of one relation and the next

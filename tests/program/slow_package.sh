@@ -18,7 +18,8 @@ mapfile -t sources < <(grep -lE "(^|[[:space:]])$VERSION_CODENAME([[:space:]]|\$
 [ ${#sources[@]} -gt 0 ] || skip "apt has no source of $VERSION_CODENAME"
 
 work=$build/package
-rm -rf "$work"
+# A run that was killed may have left mounts of /dev and /proc in its root: they are not entered.
+rm -rf --one-file-system "$work"
 mkdir -p "$work/tmp"
 site=--no-site
 if command -v sphinx-build >/dev/null && command -v doxygen >/dev/null; then site=; fi
@@ -87,5 +88,5 @@ TMPDIR=$work/tmp mmdebstrap --quiet --variant=minbase --format=null "${options[@
   "$VERSION_CODENAME" /dev/null "${sources[@]}" >"$work/root.log" 2>&1 || { tail -n 60 "$work/root.log"; exit 1; }
 grep -q '^bare root: ok$' "$work/root.log"
 grep '^Omega' "$work/root.log"
-rm -rf "$work/tmp"
+rm -rf --one-file-system "$work/tmp"
 echo "ok"

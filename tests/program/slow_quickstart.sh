@@ -17,9 +17,10 @@ mapfile -t sources < <(grep -lE "(^|[[:space:]])$VERSION_CODENAME([[:space:]]|\$
 git -C "$source" rev-parse >/dev/null 2>&1 || skip "$source is not a clone"
 
 work=$build/quickstart
-rm -rf "$work"
+# A run that was killed may have left mounts of /dev and /proc in its root: they are not entered.
+rm -rf --one-file-system "$work"
 mkdir -p "$work/tmp"
-# What git holds, as the working tree has it
+# The tracked files, as the working tree has them
 git -C "$source" ls-files -z | (cd "$source" && while IFS= read -r -d '' file; do
   if [ -e "$file" ]; then printf '%s\0' "$file"; fi
 done | tar -cf "$work/clone.tar" --null -T -)
@@ -40,5 +41,5 @@ TMPDIR=$work/tmp mmdebstrap --quiet --variant=minbase --format=null "${options[@
 grep -q '^bare root: ok$' "$work/root.log"
 sed -n '/^mean rotation/,/^$/p' "$work/root.log"
 grep 'README.md:' "$work/root.log"
-rm -rf "$work/tmp" "$work/clone.tar"
+rm -rf --one-file-system "$work/tmp" "$work/clone.tar"
 echo "ok"

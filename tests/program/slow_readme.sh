@@ -14,7 +14,7 @@ mkdir -p "$work/home" "$work/clone"
 /usr/bin/python3 -m venv "$work/try"
 "$work/try/bin/pip" download -q -d "$work/tools" scikit-build-core matplotlib 2>"$work/pip.log" ||
   skip "the Python package index is out of reach: $(tail -n 1 "$work/pip.log")"
-# What git holds, as the working tree has it
+# The tracked files, as the working tree has them
 git -C "$source" ls-files -z | (cd "$source" && while IFS= read -r -d '' file; do
   if [ -e "$file" ]; then printf '%s\0' "$file"; fi
 done | tar -c --null -T - | tar -x -C "$work/clone")

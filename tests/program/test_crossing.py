@@ -1,20 +1,12 @@
 """Every feature of decks in every way to run (tools/relations/crossing.py): the bits of the plainest way, or said that it is left. What the
 decks of the generator never set is listed here with its reason."""
 import os
-import pathlib
 import subprocess
-import sys
 import unittest
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
-if not (BUILD / "libslipdisk.so").exists():
-    print(f"no library in {BUILD} (sanitizer builds have none): the crossing is left out")
-    sys.exit(0)
-sys.path.insert(0, str(ROOT / "tools"))
-sys.dont_write_bytecode = True
+from package import BUILD
 
-from relations import crossing, decks  # noqa: E402
+from relations import crossing, decks
 
 PER_FEATURE = 4 if os.environ.get("CI") == "true" else 2  # decks
 

@@ -20,21 +20,12 @@ import warnings
 
 import numpy as np
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
-LIBRARY = BUILD / "libslipdisk.so"
-if not LIBRARY.exists():
-    print(f"no {LIBRARY} (sanitizer builds have none): the test of notebooks is left out")
-    sys.exit(0)
-os.environ["SLIPDISK_LIBRARY"] = str(LIBRARY)
-PROGRAM = os.environ.setdefault("SLIPDISK_PROGRAM", str(BUILD / "slipdisk"))
-sys.path[:0] = [str(ROOT / "tools" / "python"), str(ROOT / "tests")]
-sys.dont_write_bytecode = True
+from package import PROGRAM, ROOT
 
-import slipdisk  # noqa: E402
-import view_page  # noqa: E402
-from slipdisk import notebook  # noqa: E402
-from slipdisk.deck import TEXTS, deck_values  # noqa: E402
+import slipdisk
+import view_page
+from slipdisk import notebook
+from slipdisk.deck import TEXTS, deck_values
 
 RATCHET = ROOT / "inputs/three_disk/random.cfg"
 SHORT = {"phases.settle.steps": 2000, "phases.measure.steps": 30_000, "phases.measure.series": 100, "phases.measure.frames": 500,

@@ -14,19 +14,10 @@ import warnings
 
 import numpy as np
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
-LIBRARY = BUILD / "libslipdisk.so"
-if not LIBRARY.exists():
-    print(f"no {LIBRARY} (sanitizer builds have none): the test of the Python package is left out")
-    sys.exit(0)
-os.environ["SLIPDISK_LIBRARY"] = str(LIBRARY)
-os.environ.setdefault("SLIPDISK_PROGRAM", str(BUILD / "slipdisk"))
-sys.path.insert(0, str(ROOT / "tools" / "python"))
-sys.dont_write_bytecode = True
+from package import ROOT
 
-import slipdisk  # noqa: E402
-from slipdisk import library as lib  # noqa: E402
+import slipdisk
+from slipdisk import library as lib
 
 RATCHET = ROOT / "inputs/three_disk/random.cfg"
 SHORT = {"phases.settle.steps": 1000, "phases.measure.steps": 100_000, "measure.configurations": True}

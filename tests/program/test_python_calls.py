@@ -1,7 +1,6 @@
 """The Python package where it is called at the wrong moment, or with arguments that cannot be: signals, callbacks, threads, forks."""
 import gc
 import os
-import pathlib
 import signal
 import sys
 import tempfile
@@ -11,17 +10,9 @@ import unittest
 
 import numpy as np
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
-LIBRARY = BUILD / "libslipdisk.so"
-if not LIBRARY.exists():
-    print(f"no {LIBRARY} (sanitizer builds have none): the test of the Python package is left out")
-    sys.exit(0)
-os.environ["SLIPDISK_LIBRARY"] = str(LIBRARY)
-sys.path.insert(0, str(ROOT / "tools" / "python"))
-sys.dont_write_bytecode = True
+import package  # noqa: F401
 
-import slipdisk  # noqa: E402
+import slipdisk
 
 DECK = {"dt": 1e-3, "steps": 100_000_000, "integrator": "verlet", "materials": {"grain": {"k_n": 1e4}}}
 

@@ -8,24 +8,15 @@ import os
 import pathlib
 import pickle
 import shutil
-import sys
 import tempfile
 import unittest
 import warnings
 
 import numpy as np
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
-LIBRARY = BUILD / "libslipdisk.so"
-if not LIBRARY.exists():
-    print(f"no {LIBRARY} (sanitizer builds have none): the test of the Python package is left out")
-    sys.exit(0)
-os.environ["SLIPDISK_LIBRARY"] = str(LIBRARY)
-os.environ.setdefault("SLIPDISK_PROGRAM", str(BUILD / "slipdisk"))
+import package  # noqa: F401
+
 os.environ["MPLBACKEND"] = "agg"
-sys.path.insert(0, str(ROOT / "tools" / "python"))
-sys.dont_write_bytecode = True
 
 import slipdisk  # noqa: E402
 from slipdisk import columns, film, notebook, plot, stored  # noqa: E402

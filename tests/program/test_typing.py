@@ -16,19 +16,10 @@ import unittest
 
 import numpy as np
 
-ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
-BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
-LIBRARY = BUILD / "libslipdisk.so"
-if not LIBRARY.exists():
-    print(f"no {LIBRARY} (sanitizer builds have none): the test of annotations is left out")
-    sys.exit(0)
-os.environ["SLIPDISK_LIBRARY"] = str(LIBRARY)
-os.environ.setdefault("SLIPDISK_PROGRAM", str(BUILD / "slipdisk"))
-sys.path.insert(0, str(ROOT / "tools" / "python"))
-sys.dont_write_bytecode = True
+from package import ROOT
 
-import slipdisk  # noqa: E402
-from slipdisk import columns, deck, film, library, notebook, plot, simulation, stored  # noqa: E402
+import slipdisk
+from slipdisk import columns, deck, film, library, notebook, plot, simulation, stored
 
 SCRIPT = '''
 import pickle

@@ -17,7 +17,7 @@ SHORT = DECK + 'phases = ( { name = "measure"; steps = 200; } );\n'
 LONG = DECK + 'phases = ( { name = "measure"; steps = 1000000000; } );\n'
 SWEEP = SHORT + 'sweep = { parameters = ( { path = "gravity.g"; values = (9.0, 10.0, 11.0); } ); };\n'
 NO_FILE, NOT_READ = "it is a device or a pipe", r"cannot (open|read|read the end of) \S+: {}"
-# What lies at r.h5, and what resume and the others that read results answer (status, message); then what run answers.
+# Content of r.h5: answers (status, message) of resume and of the others that read results, and the answer of run.
 FILES = {
     "truncated": ((4, "truncated file"), (2, "damaged or no result")),
     "empty": ((4, "not an HDF5 file"), (2, "damaged or no result")),

@@ -283,12 +283,12 @@ def joined(one, two):
     return both
 
 
-# What windows of steps take, if motions are slow beside the margin of the lists
+# Windows of steps take these, if motions are slow beside the margin of the lists
 GENTLE = {"field": ("none",), "bodies": tuple(name for name in decks.FEATURES["bodies"] if name != "clumps"),
           "motion": tuple(name for name in decks.FEATURES["motion"] if name not in ("load", "servo", "lead", "lead a clump"))}
 
 
-# What lanes of small systems take
+# Lanes of small systems take these
 LANES = {"field": ("none",), "box": ("open",), "walls": ("none", "drum", "pillar"),
          "bodies": ("free", "held", "forces", "inertia"),
          "motion": tuple(name for name in decks.FEATURES["motion"] if name not in ("load", "servo", "lead", "lead a clump", "belt"))}

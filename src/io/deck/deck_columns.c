@@ -75,7 +75,7 @@ static const char *factor_of(const char *text, double *factor) {
   return end;
 }
 
-/* What is wrong with a name that no column of disks has. */
+/* Returns the message for a name that no column of disks has, with a hint if one is known. */
 static const char *unknown_column(deck *d, const char *name, const char *shown) {
   int column;
   const char *entry = deck_columns_entry(d, name, &column);

@@ -173,7 +173,7 @@ static bool csv_row_is_whole(const csv *in, size_t n) {
   return false;
 }
 
-/* Returns a suggestion for the key `columns`, such as columns = ("x", "y", "radius = 0.5 * Diameter"),
+/* Returns a suggestion for the key `columns`, such as columns = ("y", "radius = 0.5 * Diameter"),
  * with NAME where the names in the file say nothing. */
 static const char *example_columns(const csv *in) {
   static const int usual[] = {COLUMN_X, COLUMN_Y, COLUMN_RADIUS};

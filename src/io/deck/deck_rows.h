@@ -49,9 +49,9 @@ typedef struct deck_columns {
   const deck_node *file; /* Node of the deck with the name of the file, for messages */
 } deck_columns;
 
-/* Returns an entry of `columns` for a column of a file whose name is known from other programs, such
- * as "radius = 0.5 * Diameter"; NULL: the name says nothing. *column: receives the column of disks
- * that it gives. */
+/* Returns an entry of `columns` for a column of a file whose name is known from other programs,
+ * such as "radius = 0.5 * Diameter"; NULL: the name says nothing. *column: receives the column of
+ * disks that it gives. */
 const char *deck_columns_entry(deck *d, const char *source, int *column);
 bool deck_columns_have(const deck_columns *table, int column);
 

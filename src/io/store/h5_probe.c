@@ -34,7 +34,8 @@
 enum { GOOD, UNREADABLE, BROKEN, OTHER_SUM, CRASHED, SLOW };
 
 /* PIECE: bytes of a dataset that are read at once. SECONDS: limit of the child's processor time.
- * PATIENCE: of its wall time, both without the time for a long file. MOST: bytes read in all, after which only one box (block of elements) of each dataset is read. */
+ * PATIENCE: of its wall time, both without the time for a long file. MOST: bytes read in all, after
+ * which only one box (block of elements) of each dataset is read. */
 enum { PIECE = 8 << 20, SECONDS = 60, PATIENCE = 600 };
 static const uint64_t MOST = UINT64_C(256) << 20;
 

@@ -102,7 +102,7 @@ prescribed *motion_prescribed(engine *e, size_t *n);
 bool motion_outruns(engine *e);
 /* True if any motion is running. */
 bool motion_runs(const engine *e);
-/* What the running motions move, as bits. */
+/* Bits that tell which coordinates the running motions move. */
 enum {
   MOVES_WALLS = 1, /* the pose of a wall */
   MOVES_SURFACES = 2,

@@ -215,7 +215,7 @@ class SeriesPlots {
     return 1e-14 * largest;
   }
 
-  /* Of the energy at step 0 only what disks that came or went have changed since. */
+  /* The energy at step 0 counts by its changes since then: disks that came or went. */
   valuesOf(s) {
     const values = this.columns.get(s.name);
     return s.section === "energy" && s.name === "start" ? values.map((v) => v - values[0]) : values;
