@@ -124,28 +124,6 @@ class Lammps(Files):
         self.assertTrue((disks["vx"] == 0).all())
         self.assertEqual(list(disks["group"]), [{1: 0, 2: 1}[t] for t in atoms[:, 1]])
 
-    def test_a_column_may_have_a_factor_whatever_the_format(self):
-        """What a hint proposes for diameters gives the radii."""
-        expected = self.lines("Atoms # sphere")[:, 2] / 2
-        halved = 'density = 3; columns = ("x", "y", "radius = 0.5 * diameter");'
-        self.assertEqual(list(self.start_of(self.deck(halved))["radius"]), list(expected))
-        self.assertEqual(list(self.start_of(self.deck('density = 3; columns = ("x", "y", "radius");'))["radius"]), list(expected))
-        n = range(len(expected))
-        self.write("d.csv", "PosX,PosY,Diameter,Rho\n" + "".join(f"{k},0,{2 * expected[k]!r},1\n" for k in n))
-        with h5py.File(self.folder / "d.h5", "w") as file:
-            for name, values in (("x", [float(k) for k in n]), ("y", [0.0 for _ in n]), ("diameter", 2 * expected)):
-                file["grains/" + name] = values
-        for name, columns in (("d.csv", '"x = PosX", "y = PosY", "radius = 0.5 * Diameter"'), ("d.h5", '"x", "y", "radius = 0.5*diameter"')):
-            with self.subTest(name):
-                more = 'dataset = "grains"; ' if name == "d.h5" else ""
-                disks = self.start_of(OPEN + f'disk_files = ( {{ file = "{name}"; {more}density = 3; columns = ({columns}); }} );')
-                self.assertEqual(list(disks["radius"]), list(expected))
-        self.refuse(OPEN + 'disk_files = ( { file = "d.csv"; density = 3; columns = ("x = PosX", "y = PosY", "radius"); } );',
-                    'no column "radius" in the line of names; did you mean "radius = 0.5 * Diameter"?')
-        self.refuse(OPEN + 'disk_files = ( { file = "d.csv"; density = 3; columns = ("diameter"); } );', 'did you mean "radius = 0.5 * diameter"?')
-        self.refuse(OPEN + 'disk_files = ( { file = "d.csv"; density = 3; columns = ("x = PosX", "group = 2 * Rho"); } );',
-                    'column "group" has words; expected a name without a factor')
-
     def test_common_values_go_before(self):
         disks = self.start_of(self.deck("density = 3; radius = 0.1; vx = 0; vy = 0; omega = 0;"))
         self.assertTrue((disks["radius"] == 0.1).all() and (disks["vx"] == 0).all())
@@ -327,6 +305,86 @@ class Hdf5(Files):
         self.refuse(bad + 'dataset = "h"; } );', "there is no dataset or group h")
         self.refuse(bad.replace("p.h5", "q.h5") + 'dataset = "h"; } );', "q.h5")
         self.refuse(bad + 'dataset = "g"; columns = ("x", "y", "radius", "group = x"); } );', "is a text")
+
+
+class Columns(Files):
+    """Names and values of other programs: hints that can be obeyed, and arithmetic with a column."""
+    X, Y, D = numpy.array([0, 1.5, -2.7]), numpy.array([3, 4.1, 5.5]), numpy.array([0.9, 0.3, 0.7])
+    # line of names, the hint, and columns that are no hint of anything
+    NAMES = (("PosX,PosY,Diameter", '"x = PosX", "y = PosY", "radius = 0.5 * Diameter"'),
+             ("X,Y,DIAM", '"x = X", "y = Y", "radius = 0.5 * DIAM"'),
+             ('"Points:0","Points:1",diameter', '"x = Points:0", "y = Points:1", "radius = 0.5 * diameter"'),
+             ("Position X,Position Y,dia-meter", '"x = Position X", "y = Position Y", "radius = 0.5 * dia-meter"'),
+             ("X,Y,index", '"x = X", "y = Y", "radius = ..."'), ("X,Y,Rho", '"x = X", "y = Y", "radius = ..."'),
+             ("exp,year,error", '"x = ...", "y = ...", "radius = ..."'), ("x (m),y (m),R (mm)", '"x = ...", "y = ...", "radius = ..."'))
+
+    def table(self, names):
+        self.write("a.csv", names + "\n" + "".join(f"{x!r},{y!r},{d!r}\n" for x, y, d in zip(*map(list, (self.X, self.Y, self.D)))))
+
+    def deck(self, keys, file="a.csv"):
+        return OPEN + f'constants = {{ half = 0.5; }}; disk_files = ( {{ file = "{file}"; density = 1; {keys} }} );'
+
+    def holds(self, keys, **more):
+        disks = self.start_of(self.deck(**keys) if isinstance(keys, dict) else self.deck(keys))
+        for name, expected in {"x": self.X, "y": self.Y, "radius": 0.5 * self.D, **more}.items():
+            self.assertEqual(list(disks[name]), list(expected), (keys, name))
+
+    def test_what_a_hint_says_is_read_with_the_right_values(self):
+        for names, hint in self.NAMES:
+            with self.subTest(names):
+                self.table(names)
+                self.refuse(self.deck(""), f"columns = ({hint})")
+                if "..." in hint:
+                    self.refuse(self.deck(f"columns = ({hint});"), 'no column "..."')
+                    continue
+                self.holds(f"columns = ({hint});")
+                self.refuse(self.deck('columns = ("x", "y", "radius");'), *(f"did you mean {one}?" for one in hint.split(", ")))
+        self.table("x,y,mask")
+        self.refuse(self.deck('mass = 1; columns = ("x", "y", "mass");'), 'no column "mass" in the line of names; found "x", "y", "mask"')
+        for name, told in (("vz", "expected x, y, theta"), ("fx", "expected x, y, theta"), ("index", "expected x, y, theta"),
+                           ("diameter", 'did you mean "radius = 0.5 * diameter"?'), ("omegaz", 'did you mean "omega = omegaz"?')):
+            self.refuse(self.deck(f'columns = ("x", "y", "{name}");'), f'no column of disks is called "{name}"; {told}')
+
+    def test_every_format_takes_arithmetic(self):
+        self.table("x,y,d (m)")
+        for text in ("0.5 * d (m)", "d (m)/2", "half*d (m)", "d (m) - half * d (m)", "d (m) / sqrt(4)"):
+            self.holds(f'columns = ("x = 2 * x / 2", "y", "radius = {text}");')
+        rows = numpy.zeros(3, [("x", "f8"), ("y", "f8"), ("d:0", "f8"), ("rate", "f8")])
+        rows["x"], rows["y"], rows["d:0"], rows["rate"] = self.X, self.Y, self.D, self.X
+        with h5py.File(self.folder / "p.h5", "w") as file:
+            file["compound"] = rows
+            file["matrix"] = numpy.c_[self.X, self.Y, self.D, self.X]
+            file["matrix"].attrs["columns"] = ["x", "y", "d:0", "rate"]
+            for name in rows.dtype.names:
+                file[f"group/{name}"] = rows[name]
+                file[f"particles/all/{name}"] = rows[name]
+            place = numpy.zeros((1, 3, 2))
+            place[0] = numpy.c_[self.X, self.Y]
+            file["particles/all/position/value"] = place
+        for dataset in ("compound", "matrix", "group", "particles/all"):
+            self.holds({"keys": f'dataset = "{dataset}"; columns = ("x", "y", "radius = half * d:0", "vx = 2 * rate");', "file": "p.h5"},
+                       vx=2 * self.X)
+        atoms = "".join(f"{k + 1} 1 {self.D[k]!r} 1 {self.X[k]!r} {self.Y[k]!r} 0\n" for k in range(3))
+        self.write("l.data", "LAMMPS\n\n3 atoms\n-9 9 xlo xhi\n-9 9 ylo yhi\n\nAtoms # sphere\n\n" + atoms)
+        self.write("l.dump", "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n3\nITEM: BOX BOUNDS ff ff ff\n-9 9\n-9 9\n-1 1\n"
+                   "ITEM: ATOMS id type diameter mass x y z\n" + atoms)
+        for file in ("l.data", "l.dump"):
+            self.holds({"keys": "", "file": file})
+            self.holds({"keys": 'columns = ("x", "y", "radius");', "file": file})
+            self.holds({"keys": 'columns = ("x", "y", "radius = 0.5 * diameter", "vx = -y");', "file": file}, vx=-self.Y)
+
+    def test_mistakes(self):
+        self.table("X,Y,Diameter")
+        for text, told in (("radius = 0.5 * Diametr", 'no column "Diametr" in the line of names; did you mean "Diameter"?'),
+                           ("radius = 0.5 * X * Diameter", 'expected one column of the file; "X" and "Diameter" are two'),
+                           ("radius = 0.5 * (Diameter", "a ) is missing"), ("radius = half * 2", "it names no column of the file"),
+                           ("radius = haf * Diameter", 'a.csv:2: radius = haf * Diameter with Diameter = 0.9: no constant is called "haf"'),
+                           ("radius = 1 / (Diameter - 0.3)", "a.csv:3: radius = 1 / (Diameter - 0.3) with Diameter = 0.3: division by zero"),
+                           ("radius = -Diameter", "radius = -0.9")):
+            with self.subTest(text):
+                self.refuse(self.deck(f'columns = ("x = X", "y = Y", "{text}");'), told)
+        self.refuse(OPEN + 'disk_rows = ( { columns = ("x", "y", "radius = 2 * r"); density = 1; rows = ( (0, 0, 1) ); } );',
+                    "expected a name alone: the values are those of the rows")
 
 
 class Tables(Files):

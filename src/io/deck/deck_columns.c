@@ -2,12 +2,11 @@
  * that are written in the deck itself. See deck_rows.h. */
 #include <ctype.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 #include "base/limits.h"
 #include "base/text.h"
+#include "io/deck/deck_expression.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_rows.h"
 
@@ -21,99 +20,179 @@ int deck_column(const char *name) {
   return -1;
 }
 
-/* --- the key `columns` ------------------------------------------------------------------------ */
+/* --- names in files of other programs --------------------------------------------------------- */
 
-/* Names of columns in files of other programs, in lower case. Others are not guessed: a column that
- * is only spelt alike, such as Rho, would give wrong disks without a word. */
-static const struct column_word {
-  const char *word;
+/* Names that programs give to properties of disks, without case, blanks and punctuation, and the
+ * arithmetic that makes ours of theirs. */
+static const struct {
+  const char *name;
   int column;
   const char *factor;
-} column_words[] = {{"posx", COLUMN_X, ""},
-                    {"posy", COLUMN_Y, ""},
-                    {"pos_x", COLUMN_X, ""},
-                    {"pos_y", COLUMN_Y, ""},
-                    {"position_x", COLUMN_X, ""},
-                    {"position_y", COLUMN_Y, ""},
-                    {"position.x", COLUMN_X, ""},
-                    {"position.y", COLUMN_Y, ""},
-                    {"points:0", COLUMN_X, ""},
-                    {"points:1", COLUMN_Y, ""},
-                    {"x", COLUMN_X, ""},
-                    {"y", COLUMN_Y, ""},
-                    {"r", COLUMN_RADIUS, ""},
-                    {"rad", COLUMN_RADIUS, ""},
-                    {"radius", COLUMN_RADIUS, ""},
-                    {"radii", COLUMN_RADIUS, ""},
-                    {"d", COLUMN_RADIUS, "0.5 * "},
-                    {"diam", COLUMN_RADIUS, "0.5 * "},
-                    {"dia", COLUMN_RADIUS, "0.5 * "},
-                    {"diameter", COLUMN_RADIUS, "0.5 * "}};
+} others[] = {
+    {"posx", COLUMN_X, ""},
+    {"xpos", COLUMN_X, ""},
+    {"positionx", COLUMN_X, ""},
+    {"position0", COLUMN_X, ""},
+    {"points0", COLUMN_X, ""},
+    {"centerx", COLUMN_X, ""},
+    {"centrex", COLUMN_X, ""},
+    {"posy", COLUMN_Y, ""},
+    {"ypos", COLUMN_Y, ""},
+    {"positiony", COLUMN_Y, ""},
+    {"position1", COLUMN_Y, ""},
+    {"points1", COLUMN_Y, ""},
+    {"centery", COLUMN_Y, ""},
+    {"centrey", COLUMN_Y, ""},
+    {"r", COLUMN_RADIUS, ""},
+    {"radii", COLUMN_RADIUS, ""},
+    {"diameter", COLUMN_RADIUS, "0.5 * "},
+    {"diam", COLUMN_RADIUS, "0.5 * "},
+    {"velx", COLUMN_VX, ""},
+    {"velocityx", COLUMN_VX, ""},
+    {"velocity0", COLUMN_VX, ""},
+    {"vely", COLUMN_VY, ""},
+    {"velocityy", COLUMN_VY, ""},
+    {"velocity1", COLUMN_VY, ""},
+    {"omegaz", COLUMN_OMEGA, ""},
+};
 
-const char *deck_columns_entry(deck *d, const char *source, int *column) {
-  for (size_t k = 0; k < sizeof column_words / sizeof *column_words; k++) {
-    const struct column_word *w = &column_words[k];
-    if (strcasecmp(w->word, source) != 0) continue;
-    *column = w->column;
-    const char *ours = deck_column_names[w->column];
-    return strcmp(ours, source) == 0 ? ours
-                                     : deck_format(d, "%s = %s%s", ours, w->factor,
-                                                   deck_quote(d, source, strlen(source)));
+/* Returns true if both names have the same letters and digits. */
+static bool is_alike(const char *a, const char *b) {
+  for (;; a++, b++) {
+    while (ispunct((unsigned char)*a) || isspace((unsigned char)*a)) a++;
+    while (ispunct((unsigned char)*b) || isspace((unsigned char)*b)) b++;
+    if (tolower((unsigned char)*a) != tolower((unsigned char)*b)) return false;
+    if (!*a) return true;
   }
+}
+
+const char *deck_columns_hint(deck *d, int column, const char *name) {
+  const char *ours = deck_column_names[column], *shown = deck_quote(d, name, strlen(name));
+  if (strcmp(name, ours) == 0) return ours;
+  if (strpbrk(name, "\"\\")) return NULL; /* needs escapes */
+  if (is_alike(name, ours)) return deck_format(d, "%s = %s", ours, shown);
+  for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+    if (others[k].column == column && is_alike(name, others[k].name))
+      return deck_format(d, "%s = %s%s", ours, others[k].factor, shown);
   return NULL;
 }
 
-/* Takes a factor off the text: returns the name behind "NUMBER *", or the whole text. */
-static const char *factor_of(const char *text, double *factor) {
-  char *end;
-  const double value = strtod(text, &end);
-  *factor = 1.0;
-  while (end != text && isspace((unsigned char)*end)) end++;
-  if (end == text || *end != '*' || !isfinite(value)) return text;
-  *factor = value;
-  for (end++; isspace((unsigned char)*end);) end++;
-  return end;
+static const char *names_of_columns(deck *d) {
+  const char *text = deck_column_names[0];
+  for (int k = 1; k < COLUMN_KINDS; k++)
+    text =
+        deck_format(d, "%s%s%s", text, k + 1 < COLUMN_KINDS ? ", " : " or ", deck_column_names[k]);
+  return text;
 }
 
-/* Returns the message for a name that no column of disks has, with a hint if one is known. */
-static const char *unknown_column(deck *d, const char *name, const char *shown) {
-  int column;
-  const char *entry = deck_columns_entry(d, name, &column);
-  guess near = guess_start(name);
-  for (int k = 0; k < COLUMN_KINDS; k++) guess_add(&near, deck_column_names[k]);
-  return entry ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown,
-                             entry)
-         : near.best
-             ? deck_format(d, "no column of disks is called \"%s\"; did you mean \"%s\"?", shown,
-                           near.best)
-             : deck_format(d,
-                           "no column of disks is called \"%s\"; expected x, y, radius, mass, ...",
-                           shown);
+/* --- arithmetic with a column of a file ------------------------------------------------------- */
+
+/* The column that arithmetic names. */
+typedef struct named {
+  deck *d;
+  deck_column_there *there;
+  void *file;
+  const char *column, *other; /* other: the first name that is none, nor a constant; NULL: none */
+  double value;
+} named;
+
+static bool in_name(char c) { return isalnum((unsigned char)c) || c == '_'; }
+
+/* Finds the longest name of a column with which the text begins (deck_lookup). */
+static size_t find_column(void *user, const char *text, bool rate, double *x, const char **wrong) {
+  (void)rate;
+  named *in = user;
+  size_t first = 0;
+  *x = 1;
+  for (size_t n = strlen(text); n > 0; n--) {
+    if (in_name(text[n - 1]) && in_name(text[n])) continue;
+    const char *name = deck_copy(in->d, text, n);
+    if (!in->there(in->file, name)) continue;
+    if (in->column && strcmp(in->column, name) != 0)
+      *wrong = deck_format(in->d, "expected one column of the file; \"%s\" and \"%s\" are two",
+                           in->column, name);
+    in->column = name;
+    return n;
+  }
+  while (in_name(text[first])) first++;
+  const char *name = deck_copy(in->d, text, first);
+  if (!in->other && text[first + strspn(text + first, " ")] != '(' && strcmp(name, "pi") != 0 &&
+      !deck_has_constant(in->d, name))
+    in->other = name;
+  return 0;
 }
 
-/* Parses an entry of `columns`, such as "radius", "radius = NAME IN THE FILE" or "radius = 0.5 *
- * NAME IN THE FILE", and adds the column to the table. */
+void deck_columns_resolve(deck_group *g, deck_columns *t, deck_column_there *there, void *file) {
+  for (size_t c = 0; c < t->n_columns; c++) {
+    const char *text = t->source[c];
+    if (t->column[c] >= COLUMN_NUMBERS || !strpbrk(text, "*/+-^(") || there(file, text)) continue;
+    named in = {.d = g->d, .there = there, .file = file};
+    const char *wrong = deck_expression_names(g->d, text, find_column, &in);
+    if (!wrong && !in.column && !in.other) wrong = "it names no column of the file";
+    if (wrong)
+      deck_fail_key(g, "columns", "\"%s = %s\": %s", deck_column_names[t->column[c]],
+                    deck_quote(g->d, text, strlen(text)), wrong);
+    else
+      t->source[c] = in.column ? in.column : in.other;
+    t->formula[c] = text;
+  }
+}
+
+/* Gives the value in the file to the name of the column (deck_lookup). */
+static size_t column_value(void *user, const char *text, bool rate, double *x, const char **wrong) {
+  (void)rate, (void)wrong;
+  const named *in = user;
+  const size_t n = strlen(in->column);
+  if (strncmp(text, in->column, n) != 0 || (in_name(text[n - 1]) && in_name(text[n]))) return 0;
+  *x = in->value;
+  return n;
+}
+
+double deck_columns_value(deck *d, const deck_columns *t, size_t c, double value,
+                          deck_place place) {
+  if (!t->formula[c] || !isfinite(value)) return value;
+  named in = {.column = t->source[c], .value = value};
+  double x = NAN;
+  const char *wrong = deck_expression_with(d, t->formula[c], column_value, &in, 0, &x);
+  if (!wrong) return x;
+  if (*wrong)
+    deck_fail_place(d, place, "%s = %s with %s = %g: %s", deck_column_names[t->column[c]],
+                    t->formula[c], in.column, value, wrong);
+  return NAN;
+}
+
+/* --- the key `columns` ------------------------------------------------------------------------ */
+
+static const char *trimmed(deck *d, const char *text) {
+  while (isspace((unsigned char)*text)) text++;
+  size_t n = strlen(text);
+  while (n && isspace((unsigned char)text[n - 1])) n--;
+  return deck_copy(d, text, n);
+}
+
+/* Parses an entry of `columns`, such as "radius" or "radius = NAME IN THE FILE", and adds the
+ * column to the table. */
 bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck_node *node,
                       deck_place place) {
   const char *equals = strchr(text, '=');
   size_t n = equals ? (size_t)(equals - text) : strlen(text);
   while (n && isspace((unsigned char)text[n - 1])) n--;
-  const char *name = deck_copy(d, text, n), *source = equals ? equals + 1 : name;
-  const char *shown = deck_quote(d, text, n);
-  while (isspace((unsigned char)*source)) source++;
+  const char *name = deck_copy(d, text, n);
   int column = deck_column(name);
-  const char *wrong = column < 0 ? unknown_column(d, name, shown) : NULL;
-  double factor = 1.0;
-  if (equals) source = factor_of(source, &factor);
-  if (!wrong && factor != 1.0 && column >= COLUMN_NUMBERS)
-    wrong = deck_format(d, "column \"%s\" has words; expected a name without a factor", name);
+  const char *wrong = NULL;
+  if (column < 0) {
+    const char *hint = NULL;
+    for (int k = 0; k < COLUMN_KINDS && !hint; k++) hint = deck_columns_hint(d, k, name);
+    wrong = deck_format(d, "no column of disks is called \"%s\"; %s%s%s", deck_quote(d, text, n),
+                        hint ? "did you mean \"" : "expected ", hint ? hint : names_of_columns(d),
+                        hint ? "\"?" : "");
+  }
   for (size_t k = 0; k < table->n_columns && !wrong; k++)
     if (table->column[k] == column) wrong = deck_format(d, "column \"%s\" is there twice", name);
   if (wrong && node) deck_fail(d, node, "%s", wrong);
   if (wrong && !node) deck_fail_place(d, place, "%s", wrong);
   if (wrong) return false;
-  table->source[table->n_columns] = source;
-  table->factor[table->n_columns] = factor;
+  table->source[table->n_columns] = equals ? trimmed(d, equals + 1) : name;
   table->column[table->n_columns++] = column;
   return true;
 }
@@ -124,7 +203,9 @@ void deck_columns_read(deck_group *g, deck_columns *table) {
     deck_fail_key(g, "columns", "missing: expected (\"x\", \"y\", \"radius\") or the like");
   for (size_t k = 0; k < deck_each_count(list); k++) {
     deck_node *node = deck_each(list, k);
-    if (node->type == DECK_STRING)
+    if (node->type == DECK_STRING && g->table == &deck_disk_rows && strchr(node->value.text, '='))
+      deck_fail(g->d, node, "expected a name alone: the values are those of the rows");
+    else if (node->type == DECK_STRING)
       deck_columns_add(g->d, table, node->value.text, node, node->place);
     else
       deck_fail(g->d, node, "expected the name of a column in quotes");

@@ -198,12 +198,6 @@ static void add_row_disk(deck *d, const deck_columns *t, size_t r, values v) {
   add_disk(d, &v);
 }
 
-static void apply_factors(deck_columns *t) {
-  for (size_t c = 0; c < t->n_columns; c++)
-    for (size_t r = 0; r < t->n_rows && t->factor[c] != 1.0 && t->column[c] < COLUMN_NUMBERS; r++)
-      t->number[r * t->n_columns + c] *= t->factor[c];
-}
-
 /* Reads a table and adds its disks to the model. The caller must keep the table of a file until it
  * calls deck_echo_files. */
 deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) {
@@ -216,7 +210,6 @@ deck_columns deck_read_table(deck *d, deck_node *node, const deck_table *table) 
     deck_columns_from_rows(&g, &t);
   else
     deck_columns_from_file(&g, &t);
-  apply_factors(&t);
   d->disks_missing |= d->reported > before;
   deck_index unknown = {0};
   values v = read_common(&g, &t);

@@ -219,7 +219,7 @@ static double word(parser *e) {
   const char *start = e->p, *unknown = NULL;
   double x = 1;
   size_t n = name_length(start);
-  if (e->lookup && same_word(start, n, "rate")) return rate(e);
+  if (e->per_rate != 0 && same_word(start, n, "rate")) return rate(e);
   const size_t taken = e->lookup ? e->lookup(e->user, start, e->rates > 0, &x, &unknown) : 0;
   if (unknown) return fail(e, unknown);
   e->p += taken;
@@ -356,6 +356,12 @@ const char *deck_expression_with(deck *d, const char *text, deck_lookup *lookup,
               .user = user,
               .per_rate = per_rate};
   return evaluate(&e, x);
+}
+
+const char *deck_expression_names(deck *d, const char *text, deck_lookup *lookup, void *user) {
+  double x;
+  return evaluate(
+      &(parser){.d = d, .p = text, .names = DECK_NAMES_ANY, .lookup = lookup, .user = user}, &x);
 }
 
 bool deck_arithmetic(deck *d, const char *text, double *x) {

@@ -21,6 +21,9 @@ typedef size_t deck_lookup(void *user, const char *text, bool rate, double *x, c
  * is per_rate times SUM. Returns NULL on success, else an error message (see deck_expression). */
 const char *deck_expression_with(deck *d, const char *text, deck_lookup *lookup, void *user,
                                  double per_rate, double *x);
+/* Reads a text like deck_expression_with, with value 1 for names that `lookup` does not know and
+ * without a check of values, to find the names in it. Returns NULL, or an error of its form. */
+const char *deck_expression_names(deck *d, const char *text, deck_lookup *lookup, void *user);
 /* Evaluates a text in which units of angles, but no constants, are allowed. Returns false, without
  * a message, if the text is not arithmetic. */
 bool deck_arithmetic(deck *d, const char *text, double *x);

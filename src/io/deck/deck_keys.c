@@ -71,8 +71,7 @@ static const deck_key file_keys[] = {
     {"dataset", TEXT, "(/particles/disks of a result, the only group of H5MD)", NULL,
      "HDF5: the dataset"},
     {"columns", NAMES, "(all of CSV, LAMMPS and a result; else x, y, radius)", NULL,
-     "columns to take: \"radius\", \"radius = name in the file\" or \"radius = 0.5 * name in the "
-     "file\""},
+     "columns to take: \"radius\", \"radius = name in the file\" or \"radius = 0.5 * name\""},
     {"contacts", BOOL, "false", NULL,
      "also take the contacts of a result or checkpoint, so that the packing is unchanged"},
     DISK("-")};

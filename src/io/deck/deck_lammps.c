@@ -42,6 +42,7 @@ typedef enum source {
   X,
   Y,
   RADIUS,
+  DIAMETER,
   MASS,
   VX,
   VY,
@@ -52,8 +53,8 @@ typedef enum source {
   ID,
   SOURCES
 } source;
-static const char *const source_names[SOURCES] = {"x",  "y",     "radius", "mass", "vx",
-                                                  "vy", "omega", "angle",  "type", "id"};
+static const char *const source_names[SOURCES] = {"x",  "y",     "radius", "diameter", "mass", "vx",
+                                                  "vy", "omega", "angle",  "type",     "id"};
 
 typedef struct atom {
   long long id;
@@ -284,6 +285,7 @@ static void add_atom(lammps *in) {
   good = number(in, s->x, "x", &a->value[X]) && good;
   good = number(in, s->x + 1, "y", &a->value[Y]) && good;
   const double r = a->value[RADIUS] = 0.5 * diameter;
+  a->value[DIAMETER] = diameter;
   a->value[MASS] = density * (4.0 / 3.0) * 3.14159265358979323846 * r * r * r;
   in->n_atoms += good;
 }
@@ -348,7 +350,7 @@ static bool read_sections(lammps *in) {
     }
   }
   if (section == ATOMS) sort_atoms(in);
-  static const source always[] = {X, Y, RADIUS, MASS, TYPE, ID};
+  static const source always[] = {X, Y, RADIUS, DIAMETER, MASS, TYPE, ID};
   for (size_t k = 0; k < sizeof always / sizeof *always; k++) in->has[always[k]] = true;
   if (!found) deck_fail_place(in->d, (deck_place){in->here.file, 0}, "there is no section Atoms");
   return found;
@@ -408,6 +410,7 @@ static void item_columns(lammps *in, dump_frame *f) {
                {"xsu", X, SCALED_UNWRAPPED},
                {"ysu", Y, SCALED_UNWRAPPED},
                {"radius", RADIUS, PLAIN},
+               {"diameter", DIAMETER, PLAIN},
                {"mass", MASS, PLAIN},
                {"vx", VX, PLAIN},
                {"vy", VY, PLAIN},
@@ -521,7 +524,9 @@ static void add_dump_atom(lammps *in) {
   if (!a) return;
   bool good = true;
   for (int s = 0; s < NUMBERS; s++)
-    if (in->has[s]) good = number(in, (size_t)f->column[s], source_names[s], &a->value[s]) && good;
+    if (f->column[s] >= 0)
+      good = number(in, (size_t)f->column[s], source_names[s], &a->value[s]) && good;
+  if (f->column[RADIUS] < 0) a->value[RADIUS] = 0.5 * a->value[DIAMETER];
   for (int c = 0; c < 2 && good; c++) a->value[c] = in_box(f, c, a->value[c]);
   a->id = (long long)in->n_atoms + 1;
   if (in->has[ID]) good = whole(in, (size_t)f->column[ID], "id", &a->id) && good;
@@ -533,6 +538,7 @@ static void add_dump_atom(lammps *in) {
 static void read_frame(lammps *in) {
   const dump_frame *f = &in->frame;
   for (int s = 0; s < SOURCES; s++) in->has[s] = f->column[s] >= 0;
+  in->has[RADIUS] |= in->has[DIAMETER];
   in->p = f->rows;
   in->here = f->place;
   while (in->here.line - f->place.line < f->announced && next_line(in)) add_dump_atom(in);
@@ -543,13 +549,9 @@ static void read_frame(lammps *in) {
 
 /* Returns which value of an atom (enum source) column c of the table takes; NO_COLUMN after an
  * error, which is reported. */
-static int find_source(const deck_group *g, const lammps *in, deck_columns *t, size_t c) {
+static int find_source(const deck_group *g, const lammps *in, const deck_columns *t, size_t c) {
   const char *column = deck_column_names[t->column[c]];
   int s = 0;
-  if (strcmp(t->source[c], "diameter") == 0) { /* it was read as a radius */
-    t->source[c] = source_names[RADIUS];
-    t->factor[c] *= 2.0;
-  }
   while (s < SOURCES && strcmp(source_names[s], t->source[c]) != 0) s++;
   if (s == SOURCES) {
     bool density = strcmp(t->source[c], "density") == 0;
@@ -594,6 +596,13 @@ static void check_moment(deck *d, const lammps *in, const deck_node *file) {
               in->frame.step, (long long)d->box_step);
 }
 
+static bool is_source(void *file, const char *name) {
+  (void)file;
+  int s = 0;
+  while (s < SOURCES && strcmp(source_names[s], name) != 0) s++;
+  return s < SOURCES;
+}
+
 void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *t) {
   deck *d = g->d;
   lammps in;
@@ -610,6 +619,7 @@ void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *t) {
     deck_fail(d, file, "%zu atoms in section Atoms; the header says %lld", in.n_atoms,
               in.announced);
   if (!deck_given(g, "columns")) usual_columns(g, &in, file, t);
+  deck_columns_resolve(g, t, is_source, NULL);
   for (size_t c = 0; c < t->n_columns; c++) from[c] = find_source(g, &in, t, c);
   if (d->reported > before) return;
   for (size_t k = 0; k < in.n_atoms; k++) {
@@ -617,7 +627,8 @@ void deck_lammps_read(deck_group *g, deck_node *file, deck_columns *t) {
     if (!deck_columns_add_row(d, t, a->place)) return;
     for (size_t c = 0; c < t->n_columns; c++) {
       size_t at = k * t->n_columns + c;
-      t->number[at] = from[c] < NUMBERS ? a->value[from[c]] : NAN;
+      t->number[at] =
+          from[c] < NUMBERS ? deck_columns_value(d, t, c, a->value[from[c]], a->place) : NAN;
       if (from[c] == TYPE) t->text[at] = a->type;
       if (from[c] == ID) t->text[at] = deck_format(d, "%lld", a->id);
     }

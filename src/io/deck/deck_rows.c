@@ -130,29 +130,31 @@ static bool csv_number(const csv *in, const char *column, const char *text, doub
   return false;
 }
 
-/* Returns the entry of `columns` by which the file gives this column of disks, as far as its names
- * are known; else NULL. */
-static const char *entry_for(const csv *in, int column) {
+/* Returns the entry of the key `columns` for a column of disks, such as "radius = 0.5 * Diameter",
+ * as far as the names in the file tell it; NULL: they do not. */
+static const char *csv_hint(const csv *in, int column) {
+  const char *hint = NULL;
   if (csv_find(in, deck_column_names[column]) != SIZE_MAX) return deck_column_names[column];
-  for (size_t k = 0; k < in->n_fields; k++) {
-    int found;
-    const char *entry = deck_columns_entry(in->d, in->field[k], &found);
-    if (entry && found == column) return entry;
-  }
-  return NULL;
+  for (size_t k = 0; k < in->n_fields && !hint; k++)
+    hint = deck_columns_hint(in->d, column, in->field[k]);
+  return hint;
 }
 
-static size_t csv_find_reported(const csv *in, const char *name) {
+/* column: the property of disks (COLUMN_...) that has this name in the deck; -1: none. */
+static size_t csv_find_reported(const csv *in, const char *name, int column) {
   size_t k = csv_find(in, name);
   if (k != SIZE_MAX) return k;
-  guess near = guess_start(name);
-  for (size_t j = 0; j < in->n_fields; j++) guess_add(&near, in->field[j]);
-  const int column = deck_column(name);
-  const char *best = column >= 0 ? entry_for(in, column) : NULL;
-  if (!best) best = near.best;
-  if (best) {
+  const char *hint = column < 0 ? NULL : csv_hint(in, column);
+  if (hint) {
     deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; did you mean \"%s\"?",
-                    name, best);
+                    name, hint);
+    return SIZE_MAX;
+  }
+  guess near = guess_start(name);
+  for (size_t j = 0; j < in->n_fields && column < 0; j++) guess_add(&near, in->field[j]);
+  if (near.best) {
+    deck_fail_place(in->d, in->here, "no column \"%s\" in the line of names; did you mean \"%s\"?",
+                    name, near.best);
     return SIZE_MAX;
   }
   const char *found = "";
@@ -173,15 +175,15 @@ static bool csv_row_is_whole(const csv *in, size_t n) {
   return false;
 }
 
-/* Returns a suggestion for the key `columns`, such as columns = ("y", "radius = 0.5 * Diameter"),
- * with NAME where the names in the file say nothing. */
+/* Returns a suggestion for the key `columns`, such as columns = ("x", "y = Y", "radius = ..."); the
+ * dots are for names that are not known. */
 static const char *example_columns(const csv *in) {
   static const int usual[] = {COLUMN_X, COLUMN_Y, COLUMN_RADIUS};
   const char *text = "columns = (";
   for (int c = 0; c < 3; c++) {
-    const char *entry = entry_for(in, usual[c]);
-    text = deck_format(in->d, entry ? "%s%s\"%s\"" : "%s%s\"%s = NAME\"", text, c ? ", " : "",
-                       entry ? entry : deck_column_names[usual[c]]);
+    const char *hint = csv_hint(in, usual[c]);
+    text = deck_format(in->d, "%s%s\"%s%s\"", text, c ? ", " : "",
+                       hint ? hint : deck_column_names[usual[c]], hint ? "" : " = ...");
   }
   return deck_format(in->d, "%s)", text);
 }
@@ -223,24 +225,34 @@ static bool take_all_columns(csv *in, deck_columns *t) {
   return good && !*unknown;
 }
 
-static void read_csv(deck *d, deck_node *file, deck_columns *t) {
+static bool csv_there(void *file, const char *name) { return csv_find(file, name) != SIZE_MAX; }
+
+static void read_csv(deck_group *g, deck_node *file, deck_columns *t) {
+  deck *d = g->d;
   csv in;
   if (!csv_open(&in, d, file)) return;
   size_t n = in.n_fields, from[COLUMN_KINDS] = {0}, before = d->reported;
   bool whole = true;
   if (t->n_columns == 0) whole = take_all_columns(&in, t);
-  for (size_t c = 0; c < t->n_columns; c++)
-    whole &= (from[c] = csv_find_reported(&in, t->source[c])) != SIZE_MAX;
+  deck_columns_resolve(g, t, csv_there, &in);
+  if (d->reported > before) return;
+  for (size_t c = 0; c < t->n_columns; c++) {
+    const int column = deck_column(t->source[c]);
+    from[c] = csv_find_reported(&in, t->source[c], column == t->column[c] ? column : -1);
+    whole &= from[c] != SIZE_MAX;
+  }
   while (whole && csv_line(&in)) {
     if (!csv_row_is_whole(&in, n)) continue;
     if (!deck_columns_add_row(d, t, in.here)) return;
     for (size_t c = 0; c < t->n_columns; c++) {
       size_t at = (t->n_rows - 1) * t->n_columns + c;
       t->number[at] = NAN;
-      if (t->column[c] < COLUMN_NUMBERS)
+      if (t->column[c] < COLUMN_NUMBERS) {
         csv_number(&in, t->source[c], in.field[from[c]], &t->number[at]);
-      else if (*in.field[from[c]])
+        t->number[at] = deck_columns_value(d, t, c, t->number[at], in.here);
+      } else if (*in.field[from[c]]) {
         t->text[at] = in.field[from[c]];
+      }
     }
   }
   if (whole && t->n_rows == 0 && d->reported == before)
@@ -252,7 +264,7 @@ size_t deck_csv_pair(deck *d, const deck_node *file, const char *const names[2],
   csv in;
   if (!csv_open(&in, d, file)) return 0;
   size_t n = in.n_fields, rows = 0, capacity[2] = {0, 0}, from[2];
-  for (int k = 0; k < 2; k++) from[k] = csv_find_reported(&in, names[k]);
+  for (int k = 0; k < 2; k++) from[k] = csv_find_reported(&in, names[k], -1);
   if (from[0] == SIZE_MAX || from[1] == SIZE_MAX) return 0;
   double *out[2] = {NULL, NULL};
   while (csv_line(&in)) {
@@ -335,6 +347,21 @@ static void check_moment(deck *d, const deck_node *file, const char *path, int64
             (long long)step, (long long)d->box_step);
 }
 
+/* A table in an HDF5 file. */
+typedef struct hdf5_table {
+  const char *path, *dataset;
+} hdf5_table;
+
+static bool hdf5_there(void *file, const char *name) {
+  const hdf5_table *in = file;
+  double *values = NULL;
+  h5_range none = {0};
+  const sd_status status = h5_read_table(in->path, in->dataset, 1, &name, &values, &none, NULL);
+  free(values);
+  free(none.kept);
+  return status == SD_OK;
+}
+
 static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const char *path) {
   deck *d = g->d;
   for (size_t c = 0; c < t->n_columns; c++)
@@ -347,6 +374,9 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
   for (int k = 0; k < 3 && !deck_given(g, "columns"); k++)
     deck_columns_add(d, t, usual[k], file, file->place);
   double *values = NULL;
+  const size_t reported = d->reported;
+  deck_columns_resolve(g, t, hdf5_there, &(hdf5_table){path, dataset});
+  if (d->reported > reported) return;
   const size_t before = sd_messages_errors(d->messages), first = d->asked.part ? d->asked.first : 0;
   h5_range rows = {
       .first = first, .n = d->asked.part ? d->asked.n : SIZE_MAX, .again = d->asked.again};
@@ -366,7 +396,8 @@ static void read_hdf5(deck_group *g, deck_node *file, deck_columns *t, const cha
     const deck_place place = {path, -1 - (int)row};
     if (!deck_columns_add_row(d, t, place)) break;
     for (size_t c = 0; c < t->n_columns; c++) {
-      const double value = t->number[r * t->n_columns + c] = values[r * t->n_columns + c];
+      const double value = values[r * t->n_columns + c];
+      t->number[r * t->n_columns + c] = deck_columns_value(d, t, c, value, place);
       if (!isfinite(value))
         deck_fail_place(d, place, "%s = %g: expected a number", t->source[c], value);
     }
@@ -424,6 +455,6 @@ void deck_columns_from_file(deck_group *g, deck_columns *t) {
   if (format >= 0 && format != DECK_LAMMPS && deck_given(g, "timestep"))
     deck_fail_key(g, "timestep", "belongs to dumps of LAMMPS only");
   if (format == DECK_HDF5) hdf5_or_result(g, file, t);
-  if (format == DECK_CSV) read_csv(d, file, t);
+  if (format == DECK_CSV) read_csv(g, file, t);
   if (format == DECK_LAMMPS) deck_lammps_read(g, file, t);
 }

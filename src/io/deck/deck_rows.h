@@ -31,8 +31,9 @@ typedef struct deck_columns {
   size_t n_columns, n_rows, capacity;
   int column[COLUMN_KINDS];
   const char *source[COLUMN_KINDS]; /* [n_columns]: name of each column in the file */
-  double factor[COLUMN_KINDS];      /* [n_columns]: numbers of the file are multiplied by this */
-  double *number;                   /* [n_rows * n_columns], row by row; NAN in columns of texts */
+  /* [n_columns]: arithmetic with this name, such as "0.5 * Diameter"; NULL: the value itself */
+  const char *formula[COLUMN_KINDS];
+  double *number; /* [n_rows * n_columns], row by row; NAN in columns of texts */
   /* [n_rows * n_columns], row by row; NULL in columns of numbers. The pointer is NULL without
    * columns of texts */
   const char **text;
@@ -49,10 +50,6 @@ typedef struct deck_columns {
   const deck_node *file; /* Node of the deck with the name of the file, for messages */
 } deck_columns;
 
-/* Returns an entry of `columns` for a column of a file whose name is known from other programs,
- * such as "radius = 0.5 * Diameter"; NULL: the name says nothing. *column: receives the column of
- * disks that it gives. */
-const char *deck_columns_entry(deck *d, const char *source, int *column);
 bool deck_columns_have(const deck_columns *table, int column);
 
 /* Reads the entries of `disks` and adds them to the model. In deck_disks.c. */
@@ -66,10 +63,22 @@ void deck_columns_read(deck_group *g, deck_columns *table);
 void deck_columns_from_rows(deck_group *g, deck_columns *table);
 void deck_columns_from_file(deck_group *g, deck_columns *table);
 
-/* These two functions serve all readers of files. deck_columns_add adds a column, "radius" or
- * "radius = NAME IN THE FILE"; false after an error, reported at node, or at place if node is NULL.
- * deck_columns_add_row adds a row, whose numbers and texts the caller fills in; false if there are
- * too many rows, reported at place. */
+/* The functions below serve all readers of files.
+ *
+ * deck_columns_resolve splits the texts behind "radius =" that are no name of a column in the file,
+ * but arithmetic with one, into both. there: returns true if the file has this column. */
+typedef bool deck_column_there(void *file, const char *name);
+void deck_columns_resolve(deck_group *g, deck_columns *table, deck_column_there *there, void *file);
+/* Returns the value of column c of a row for this value in the file, from which it may follow by
+ * arithmetic; NAN after an error, reported at place. */
+double deck_columns_value(deck *d, const deck_columns *table, size_t c, double value,
+                          deck_place place);
+/* Returns the entry of the key `columns` for a column of disks that stands in a file as `name`, such
+ * as "radius = 0.5 * diameter"; NULL: programs do not give it this name. */
+const char *deck_columns_hint(deck *d, int column, const char *name);
+/* deck_columns_add adds a column, "radius" or "radius = NAME IN THE FILE"; false after an error,
+ * reported at node, or at place if node is NULL. deck_columns_add_row adds a row, whose numbers and
+ * texts the caller fills in; false if there are too many rows, reported at place. */
 bool deck_columns_add(deck *d, deck_columns *table, const char *text, const deck_node *node,
                       deck_place place);
 bool deck_columns_add_row(deck *d, deck_columns *table, deck_place place);
