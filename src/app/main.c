@@ -212,14 +212,18 @@ static void end_of_library(void) {
   _exit(SD_ERROR_IO);
 }
 
+static pid_t first_process; /* the one that main began in */
+
 /* Ends the process after a fault or a call of abort, which libraries make when they do not get
- * memory. Signals that another process sends keep their effect. */
+ * memory. Signals that another process sends keep their effect, and all do in workers of sweeps:
+ * their scheduler tells how they ended. */
 static void end_of_fault(int number, siginfo_t *from, void *unused) {
   (void)unused;
   static const char text[] = "error: no memory, perhaps: a library has crashed, as some do then "
                              "(if there is memory, it is "
                              "a fault of slipdisk); what was saved before is not damaged\n";
-  const bool ours = number == SIGABRT ? from->si_pid == getpid() : from->si_code > 0;
+  const bool ours = getpid() == first_process &&
+                    (number == SIGABRT ? from->si_pid == first_process : from->si_code > 0);
   if (!ours) {
     raise(number); /* SA_RESETHAND has restored the default */
     return;
@@ -235,6 +239,7 @@ static void catch_faults(void) {
                           .sa_flags = SA_SIGINFO | SA_RESETHAND | SA_ONSTACK},
                    was;
   static char room[1 << 16]; /* for a library whose recursion has no end */
+  first_process = getpid();
   sigaltstack(&(stack_t){.ss_sp = room, .ss_size = sizeof room}, NULL);
   sigemptyset(&act.sa_mask);
   for (int k = 0; k < 2; k++) {
