@@ -11,8 +11,8 @@
 #   lint       clang-tidy, and tools/lint.py      mpi       a build with MPI: the tests that start several ranks
 #   dev        address and undefined-behaviour sanitizers: tests but the longest
 # Parts that are run by hand: dev-long (the longest tests with sanitizers), slow (tests that take minutes), tsan (thread sanitizer),
-# soak (tools/soak.sh at its small sizes), coverage (lines and branches reached, room by room), play (the engine for browsers),
-# arm (the golden decks on aarch64).
+# msan (memory sanitizer: tests in C), soak (tools/soak.sh at its small sizes), coverage (lines and branches reached, room by room),
+# play (the engine for browsers), arm (the golden decks on aarch64).
 #
 # Stops at the first part that fails. Run it as often as you like: what ccache and lint have seen goes quickly. The parts
 # say at the end how long they took, and how much processor time.
@@ -62,6 +62,9 @@ part() {
     tsan) say "Tests with the thread sanitizer"
       build tsan
       ctest --preset "tsan$quick" -j "$jobs" ;;
+    msan) say "Tests with the memory sanitizer"
+      build msan
+      ctest --preset msan -j "$jobs" ;;
     clang)
       say "Build with clang"
       # clang finds the same to warn of whatever it optimises, and nothing of this build is run

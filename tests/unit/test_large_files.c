@@ -161,8 +161,13 @@ static void open_large(void) {
 
 static void test_memory(void **unused) {
   (void)unused;
+  /* sanitizers take memory of their own */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  skip(); /* sanitizers take memory of their own */
+  skip();
+#elif defined(__has_feature)
+#if __has_feature(memory_sanitizer)
+  skip();
+#endif
 #endif
   long base = peak(nothing), save = peak(save_large) - base, open = peak(open_large) - base;
   print_message("  %d MiB: saving takes %ld MiB with the data, checking %ld MiB\n", LARGE >> 17,
