@@ -7,6 +7,7 @@
  */
 #include <hdf5.h>
 #include <gsl/gsl_histogram.h>
+#include <gsl/gsl_linalg.h>
 #include <malloc.h>
 #include <sanitizer/msan_interface.h>
 #include <stdbool.h>
@@ -133,6 +134,14 @@ WRAP(int, gsl_histogram_get_range, const gsl_histogram *h, size_t bin, double *l
   const int status = __real_gsl_histogram_get_range(h, bin, low, high);
   WRITTEN(low, sizeof *low);
   WRITTEN(high, sizeof *high);
+  return status;
+}
+
+WRAP(int, gsl_linalg_LU_solve, const gsl_matrix *lu, const gsl_permutation *order,
+     const gsl_vector *right, gsl_vector *x) {
+  const int status = __real_gsl_linalg_LU_solve(lu, order, right, x);
+  WRITTEN(x, sizeof *x); /* a view, which GSL has made */
+  WRITTEN(x->data, x->size * sizeof *x->data);
   return status;
 }
 
