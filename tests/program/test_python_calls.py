@@ -27,14 +27,16 @@ def none(_):
     pass
 
 
-def signal_within(s, number, later):
-    """A thread that sends a signal once `advance` is under way: then numbers are refused to other threads."""
+def signal_within(s, number, later, ready=lambda: True):
+    """A thread that sends a signal once `advance` is under way, as numbers are then refused to other threads, and `ready`."""
     def send():
         try:
             while s.step >= 0:
                 time.sleep(0.001)
         except slipdisk.UserError:
             time.sleep(later)
+        while not ready():
+            time.sleep(0.001)
         os.kill(os.getpid(), number)
 
     thread = threading.Thread(target=send)
@@ -91,7 +93,7 @@ class Signals(unittest.TestCase):
             for k in range(10):
                 s = made()
                 s.observe(1, lambda s: Broken() and None if s.step == 3 else None)
-                sender = signal_within(s, signal.SIGALRM, 0.001 * k)
+                sender = signal_within(s, signal.SIGALRM, 0.001 * k, lambda: len(seen) > k)
                 with self.assertRaises(TimeoutError):
                     s.advance()
                 sender.join()
