@@ -19,9 +19,9 @@ readers do not see, say what is to be found:
 
     tests/docs/test_cookbook.py [PAGE ...]    some pages; --write puts the files into the pages; --full
                                               leaves nothing shorter
-    tests/docs/test_cookbook.py README --way=NAME    follows README.md in the clone that holds this file, from a bare shell
+    tests/docs/test_cookbook.py PAGE --way=NAME    follows README.md or docs/install.md in the clone that holds this file, from a bare
+                                              shell; ways of install.md: source, own, pip
 """
-import importlib.util
 import os
 import pathlib
 import re
@@ -60,9 +60,9 @@ def surroundings(folder):
 
 
 def bare():
-    """What a shell has after `env -i`, and where pip finds packages."""
+    """What a shell has after `env -i`, where pip finds packages, and what cmake and ccache are told."""
     return {"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": os.environ["HOME"], "LC_ALL": "C.UTF-8",
-            **{name: value for name, value in os.environ.items() if name.startswith("PIP_") or name.lower().endswith("_proxy")}}
+            **{name: value for name, value in os.environ.items() if name.startswith(("PIP_", "CC", "CMAKE_")) or name.lower().endswith("_proxy")}}
 
 
 class Page:
@@ -131,7 +131,7 @@ class Page:
         self.printed = done.stdout
         if done.returncode != int(asked.get("status", 0)):
             raise Wrong(f"exit status {done.returncode}\n{text}\n{done.stdout}")
-        if self.path == PAGES[-1]:
+        if self.way or self.path == PAGES[-1]:
             self.goes_on += "".join(f"{line}\n" for line in text.splitlines() if re.search("^export |&& cd |/activate", line))
 
     def file(self, key, value, body):
@@ -182,20 +182,12 @@ def write():
 def main(words):
     if "--write" in words:
         write()
-    elif any(word.startswith("--way=") for word in words):
-        pass
-    elif not (BUILD / "libslipdisk.so").exists():
-        print("the cookbook needs the shared library, which sanitizer builds have not")
-        return 77
-    elif importlib.util.find_spec("matplotlib") is None or importlib.util.find_spec("h5py") is None:
-        print("the cookbook needs matplotlib and h5py (tools/install_deps.sh --tests)")
-        return 77
     chosen = [word for word in words if not word.startswith("--")]
     way = next((word.removeprefix("--way=") for word in words if word.startswith("--way=")), None)
     wrong = 0
     with tempfile.TemporaryDirectory() as folder:
         environment = bare() if way else surroundings(pathlib.Path(folder))
-        for path in PAGES:
+        for path in [*PAGES, *([ROOT / "docs/install.md"] if way else [])]:
             if chosen and path.stem not in chosen:
                 continue
             page = Page(path, pathlib.Path(folder), environment, "--full" in words, way)

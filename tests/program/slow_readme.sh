@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # A fresh clone: all blocks of README.md on the way of pip, each from a bare shell with a new home; then the command, with the
-# PYTHONPATH of the other way.
+# PYTHONPATH of the other way. The same of docs/install.md, by pip and into a folder of one's own.
 set -euo pipefail
 build=${SLIPDISK_BUILD_DIR:?}
 source=${SLIPDISK_SOURCE_DIR:?}
@@ -26,5 +26,10 @@ bare() { env -i PATH=/usr/bin:/bin HOME="$work/home" PYTHONPATH="$work/clone/too
 bare "$work/home/slipdisk/bin/slipdisk" version
 bare "$work/home/slipdisk/bin/slipdisk" plot heap.h5 -o again.png
 test -s again.png
+cd ..
+for way in pip own; do
+  mkdir "$work/$way"
+  HOME=$work/$way /usr/bin/python3 tests/docs/test_cookbook.py install --way=$way
+done
 rm -rf "$work"
 echo "ok"
