@@ -1,12 +1,5 @@
 """Headless Chromium for tests of pages."""
-import importlib.util
 import shutil
-
-
-def missing(*modules):
-    """What is not installed of Chromium, its driver, selenium and these modules."""
-    names = [name for name in ("selenium", *modules) if importlib.util.find_spec(name) is None]
-    return names + [name for name in ("chromium", "chromedriver") if shutil.which(name) is None]
 
 
 def spills(driver, width, height=700):

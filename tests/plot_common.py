@@ -1,5 +1,4 @@
 """What the tests of pictures and films share: small real runs of every sort."""
-import importlib.util
 import os
 import pathlib
 import subprocess
@@ -41,13 +40,6 @@ SHEAR_SWEEP = ["packings[0].count=16", "container.width=5.3", "container.height=
 
 def program():
     return os.environ["SLIPDISK_PROGRAM"]
-
-
-def matplotlib_or_skip():
-    """Exit status 77 (left out) without matplotlib."""
-    if importlib.util.find_spec("matplotlib") is None:
-        print("this python3 has no matplotlib: the test of pictures is left out")
-        sys.exit(77)
 
 
 def run(*words):

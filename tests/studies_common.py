@@ -7,9 +7,3 @@ ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__)
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
 sys.path.insert(0, str(ROOT / "tools/studies"))
 sys.dont_write_bytecode = True
-
-try:
-    import matplotlib  # noqa: F401
-except ImportError:
-    print("matplotlib not found: the test of a study is left out")
-    sys.exit(0)

@@ -57,8 +57,6 @@ class Pages(unittest.TestCase):
     def test_formatters_have_nothing_to_say(self):
         tools = [words for words in (["groff", "-ww", "-z", "-man", "-Tutf8"], ["mandoc", "-T", "lint", "-W", "warning"])
                  if shutil.which(words[0])]
-        if not tools:
-            self.skipTest("neither groff nor mandoc is installed")
         for words in tools:
             for command in ["", *COMMANDS]:
                 page = told("help", "--man", *filter(None, [command]))
@@ -155,8 +153,6 @@ class Completion(unittest.TestCase):
 
     def test_bash_itself_calls_it(self):
         """With a terminal: what stands on the line after a tab."""
-        if not shutil.which("script"):
-            self.skipTest("script is not installed")
         keys = "source ./slipdisk.bash\nexport PS1=\nslipdisk run oth\t\x01echo \nexit\n"
         done = subprocess.run(["script", "-qec", "bash --norc --noprofile -i", "/dev/null"], cwd=self.here, input=keys,
                               capture_output=True, text=True, timeout=60, env={**os.environ, "TERM": "dumb", "HOME": "/nowhere"})

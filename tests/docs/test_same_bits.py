@@ -7,9 +7,7 @@ import ctypes
 import json
 import pathlib
 import re
-import shutil
 import subprocess
-import sys
 import unittest
 
 from test_circles import BUILD, SRC, objects, symbols
@@ -75,7 +73,4 @@ class SameBits(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if not shutil.which("nm"):
-        print("nm not found: calls are not looked at")
-        sys.exit(77)
     unittest.main()

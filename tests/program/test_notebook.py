@@ -1,9 +1,6 @@
-"""The Python package in notebooks: decks as values, completion of names, tables, DataFrames and Datasets, inline pages, progress.
-
-Without IPython, pandas, xarray or tqdm (tools/install_deps.sh --tests) the tests of them are skipped."""
+"""The Python package in notebooks: decks as values, completion of names, tables, DataFrames and Datasets, inline pages, progress."""
 import contextlib
 import html
-import importlib.util
 import io
 import os
 import pathlib
@@ -36,11 +33,6 @@ BOX = {"dt": 1e-4, "title": "<script>alert(1)</script> & more", "gravity": {"g":
        "packings": [{"type": "random", "fraction": 0.3, "density": 3.57, "radius": 0.02, "y": [0, 0.2]}],
        "disks": {"1": {"x": 0, "y": 0.35, "radius": "0.01", "mass": 0.01, "vx": "2^-3", "omega": "20 pi"}},
        "phases": {"fall": {"steps": 1500, "frames": 500, "contacts": 500, "series": 500}}, "measure": {"rotation": ["1"]}}
-
-
-def needs(*names):
-    absent = [name for name in names if importlib.util.find_spec(name) is None]
-    return unittest.skipIf(absent, f"{', '.join(absent)} missing: tools/install_deps.sh --tests")
 
 
 class Folder(unittest.TestCase):
@@ -135,7 +127,6 @@ class Decks(Folder):
 
 
 class Names(Folder):
-    @needs("IPython")
     def test_completion(self):
         """IPython completes names wherever something is indexed by them."""
         from IPython.core.interactiveshell import InteractiveShell
@@ -186,7 +177,6 @@ class Tables(Folder):
                 self.assertEqual(len(re.findall(f"<{tag}\\b", shown)), shown.count(f"</{tag}>"), tag)
         self.assertEqual(repr(self.ratchet.frames), "<slipdisk frames of disks: 62 moments, time 0 to 0.032>")
 
-    @needs("pandas")
     def test_pandas(self):
         r = self.ratchet
         frames = r.frames.pandas()
@@ -207,7 +197,6 @@ class Tables(Folder):
             with self.assertRaisesRegex(slipdisk.UserError, "columns of different length make no table .*name some of one length"):
                 wrong()
 
-    @needs("xarray", "pandas")
     def test_xarray(self):
         r = self.ratchet
         frames = r.frames.xarray()
@@ -231,8 +220,7 @@ class Tables(Folder):
                                                             "phases.measure.series": 0})
         self.assertIn("stored", r._repr_html_())
         self.assertIn("moments", repr(r.contacts) + repr(r.wall_frames))
-        if importlib.util.find_spec("pandas"):
-            self.assertEqual(len(r.wall_frames.pandas()), 0)
+        self.assertEqual(len(r.wall_frames.pandas()), 0)
 
     def test_missing(self):
         """Without pandas or xarray the message says how to get it."""
@@ -324,8 +312,6 @@ class Progress(Folder):
                 plain, told = self.told(lambda: call(None))
                 self.assertEqual(told, "")
                 for tqdm, screen, progress in ((False, False, True), (True, True, None), (True, True, False)):
-                    if tqdm and not importlib.util.find_spec("tqdm"):
-                        continue
                     same, told = self.told(lambda: call(progress), tqdm=tqdm, screen=screen)
                     self.assertEqual(same, plain)
                     bar = rf"{name}: +\d+%\|" if tqdm else f"{name}: 100 %"  # tqdm may leave out the last

@@ -2,7 +2,7 @@
 module does what slipdisk.d.mts says.
 
     SLIPDISK_SPEED=N python3 tests/program/test_play.py    prints the table of docs/play.md, the best of N runs of each kind
-77: build/play (tools/play.sh) or Node is missing, or Chromium, its driver or selenium (tools/install_deps.sh --play --tests)."""
+"""
 import base64
 import gzip
 import json
@@ -11,14 +11,13 @@ import pathlib
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import time
 import unittest
 
 import h5py
 import numpy
-from chromium import browser, missing
+from chromium import browser
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"))
@@ -241,15 +240,7 @@ def table(repeats):
             print(f"| {name} | {min(theirs):.0f} | {min(ours):.0f} | {min(ours) / min(theirs):.2f} |", flush=True)
 
 
-def lacking():
-    found = [name for name in ("slipdisk.wasm", "slipdisk.mjs") if not (PLAY / name).exists()]
-    return found + ([] if shutil.which("node") else ["node"]) + missing()
-
-
 if __name__ == "__main__":
-    if lacking():
-        print("missing:", ", ".join(lacking()))
-        sys.exit(77)
     if SPEED:
         table(SPEED)
     else:

@@ -9,9 +9,8 @@ import time
 import unittest
 
 import numpy as np
-from plot_common import ROOT, make, matplotlib_or_skip, program, run
+from plot_common import ROOT, make, program, run
 
-matplotlib_or_skip()
 
 from matplotlib.image import imread  # noqa: E402
 

@@ -2,19 +2,13 @@
 import json
 import os
 import pathlib
-import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
 
 import numpy as np
-from plot_common import make, matplotlib_or_skip, program
-
-matplotlib_or_skip()
-if not shutil.which("ffmpeg") or not shutil.which("ffprobe"):
-    print("ffmpeg is not installed: the test of films is left out")
-    sys.exit(77)
+from plot_common import make, program
 
 from slipdisk import film  # noqa: E402
 from slipdisk.library import UserError  # noqa: E402

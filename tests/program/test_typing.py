@@ -1,8 +1,5 @@
 """Annotations of the Python package: mypy --strict accepts a user's script and refuses its mistakes, every public function has them, and
-values have the types that they promise.
-
-Without mypy (tools/install_deps.sh --tests) the tests of it are skipped."""
-import importlib.util
+values have the types that they promise."""
 import inspect
 import os
 import pathlib
@@ -218,7 +215,6 @@ class Folder(unittest.TestCase):
         return path
 
 
-@unittest.skipIf(importlib.util.find_spec("mypy") is None, "mypy missing: tools/install_deps.sh --tests")
 class Mypy(Folder):
     def mypy(self, text):
         """(exit status, lines with mistakes, all that mypy says) of a script."""

@@ -1,5 +1,4 @@
 """--live: a running simulation over HTTP: the numbers, the same result in every bit, and what is refused."""
-import functools
 import http.client
 import json
 import os
@@ -21,23 +20,7 @@ ADDRESS = re.compile(r"live: http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/$")
 ENDLESS = deck_arguments(1000, 10**12, frames=0)
 
 
-@functools.cache
-def has_server():
-    status, _, err = run("view", "no-such-deck.cfg", "--live")
-    assert status == 2, err
-    process = start("view", *ENDLESS, "--live")
-    line = process.stderr.readline()
-    process.kill()
-    process.communicate()
-    return "no server" not in line
-
-
 class Live(Folder):
-    def setUp(self):
-        super().setUp()
-        if not has_server():
-            self.skipTest("this build has no server")
-
     def serve(self, *words, **more):
         """The process, once it has told its address."""
         self.process = start(*words, **more)
@@ -296,8 +279,6 @@ class Safety(Live):
 
 class NoPort(Folder):
     def test_run_that_cannot_be_shown_is_run(self):
-        if not has_server():
-            self.skipTest("this build has no server")
         source, library = self.folder / "bind.c", self.folder / "bind.so"
         source.write_text("#include <errno.h>\nint bind(int a, const void *b, unsigned c);\n"
                           "int bind(int a, const void *b, unsigned c) { (void)a, (void)b, (void)c; errno = EACCES; return -1; }\n")

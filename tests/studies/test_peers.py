@@ -229,7 +229,6 @@ class Decks(unittest.TestCase):
             self.assertGreater(it.lanes([]), 0)
 
 
-@unittest.skipUnless(programs.find("lammps"), "LAMMPS is not installed (Debian: lammps): nothing to compare with")
 class Alike(unittest.TestCase):
     def test_packing(self):
         """100 disks over 250 steps, all from the same state."""

@@ -207,7 +207,6 @@ class Own(unittest.TestCase):
             self.assertLess(abs(end.omega[k]), 1e-6)
 
 
-@unittest.skipUnless(programs.find("lammps"), "LAMMPS is not installed (Debian: lammps): nothing to compare with")
 class Alike(unittest.TestCase):
     def test_collisions(self):
         """Laws that are the same but for the arm of the tangential force."""

@@ -15,12 +15,6 @@ PROGRAM = os.environ.get("SLIPDISK_PROGRAM", str(ROOT / "build/release/slipdisk"
 sys.path.insert(0, str(ROOT / "tools/studies"))
 sys.dont_write_bytecode = True
 
-try:
-    import matplotlib  # noqa: F401
-except ImportError:
-    print("matplotlib not found: the test of the report is left out")
-    sys.exit(0)
-
 from ratchet import __main__ as report  # noqa: E402
 from ratchet import configurations, effort, errors, fits, levels, markdown, page, turning, verdict, vibration  # noqa: E402
 from ratchet import (mechanism_noise, mechanism_portrait, mechanism_scan, mechanism_size, mechanism_tep,  # noqa: E402

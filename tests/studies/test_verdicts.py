@@ -11,12 +11,6 @@ ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__)
 sys.path.insert(0, str(ROOT / "tools/studies"))
 sys.dont_write_bytecode = True
 
-try:
-    import matplotlib  # noqa: F401
-except ImportError:
-    print("matplotlib not found: the test of the verdicts is left out")
-    sys.exit(0)
-
 from ratchet import __main__ as report  # noqa: E402
 from ratchet import catalogue, diffusion, durations, fields, regimes, starts, verdict, verdicts  # noqa: E402
 from ratchet.data import Table  # noqa: E402
