@@ -160,5 +160,48 @@ class Configured(Folder):
             self.assertEqual(row in done.stderr, bool(status))
 
 
+class Touched(Folder):
+    """tools/touched.py in a small clone."""
+
+    def write(self, name, text=""):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+    def git(self, *words):
+        said_by("git", "-c", "user.name=t", "-c", "user.email=t", *words, cwd=self.folder)
+
+    def touched(self, name=None):
+        """Tests that a change of this file touches, but those of every source."""
+        if name:
+            self.write(name, "changed")
+        told = said_by(sys.executable, self.folder / "tools/touched.py", "build", "--list").split("\n")[1].split()
+        self.git("checkout", "-q", ".")
+        return [test for test in told if test in self.tests], len(told) > len(self.tests)
+
+    def test_rules(self):
+        self.write("tools/touched.py", (ROOT / "tools/touched.py").read_text())
+        self.write("src/wide/all.h")
+        for folder in ("heap", "wave", "box", "rain"):
+            self.write(f"src/{folder}/{folder}_sum.c", '#include "wide/all.h"')
+        self.write("src/heap/inner.h")
+        self.write("src/wave/user.c", '#include "heap/inner.h"')
+        self.write("tests/unit/test_some.c", '#include "heap/inner.h"')
+        for name in ("unit/test_wave.c", "unit/test_big_sum.c", "program/test_other.py", "docs/test_page.py"):
+            self.write(f"tests/{name}")
+        self.write("docs/page.md")
+        self.tests = ["test_big_sum", "test_other", "test_page", "test_some", "test_wave"]
+        self.git("init", "-q")
+        for message in ("first", "second"):
+            self.write("docs/page.md", message)
+            self.git("add", ".")
+            self.git("commit", "-qm", message)
+        for name, tests, broad in (("src/heap/heap_sum.c", ["test_big_sum", "test_some"], True),
+                                   ("src/heap/inner.h", ["test_some", "test_wave"], True), ("src/wide/all.h", self.tests, False),
+                                   ("tests/program/test_other.py", ["test_other"], False), ("docs/page.md", ["test_page"], False),
+                                   (None, ["test_page"], False), ("CMakeLists.txt", self.tests, False)):
+            self.assertEqual(self.touched(name), (tests, broad), name)
+
+
 if __name__ == "__main__":
     unittest.main()
