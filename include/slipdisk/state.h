@@ -26,6 +26,16 @@ extern "C" {
 /* The state of a system at the end of a step; its members are reached through sd_fields. */
 typedef struct sd_state sd_state;
 
+/* Coordinates of a body, as indices of arrays, and their number. */
+enum { SD_X = 0, SD_Y = 1, SD_THETA = 2, SD_COORDINATES = 3 };
+/* SD_SURFACE: further quantity that a motion can move, the surface of a wall, which runs along
+ * the wall like a conveyor belt while the wall itself stays in place. SD_MOVED: number of all
+ * quantities that motions can move. */
+enum { SD_SURFACE = 3, SD_MOVED = 4 };
+
+/* Integrator of the free disks: Gear's predictor-corrector of fifth order, or velocity Verlet. */
+typedef enum sd_integrator { SD_GEAR5, SD_VERLET } sd_integrator;
+
 /* Type of the elements of a column: double, int64_t, int32_t, uint32_t. */
 typedef enum sd_type { SD_F64, SD_I64, SD_I32, SD_U32 } sd_type;
 

@@ -11,7 +11,7 @@
 #include "io/results/frames.h"
 #include "io/results/provenance.h"
 #include "io/results/summary.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 #include "run/stored.h"
 
 /* Entry points of the subcommands. argv[0] is the name of the subcommand. Each returns the exit

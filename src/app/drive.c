@@ -17,6 +17,7 @@
 #include "base/comm.h"
 #include "base/text.h"
 #include "io/store/file.h"
+#include "model/model.h"
 #include "run/ranks.h"
 #include "run/session.h"
 #include "run/simulation_private.h"

@@ -15,6 +15,7 @@
 #include "io/store/file.h"
 #include "io/store/folder.h"
 #include "measure/measurement.h"
+#include "model/model.h"
 #include "slipdisk/deck.h"
 
 /* All data that info prints about one run. */

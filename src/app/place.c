@@ -3,6 +3,7 @@
 
 #include "app/app.h"
 #include "base/text.h"
+#include "model/model.h"
 
 char *app_default_name(const char *deck, const char *ending) {
   const char *slash = strrchr(deck, '/'), *name = slash ? slash + 1 : deck;

@@ -12,6 +12,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/results/record.h"
+#include "model/model.h"
 #include "model/state.h"
 #include "run/session.h"
 #include "slipdisk/deck.h"

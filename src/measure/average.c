@@ -7,6 +7,7 @@
 
 #include "base/text.h"
 #include "measure/error_bar.h"
+#include "model/model.h"
 
 const observable *average_column(size_t number) {
   const size_t energies = energy_observables.n;

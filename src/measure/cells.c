@@ -14,6 +14,7 @@
 #include "base/memory.h"
 #include "base/team.h"
 #include "measure/statistics.h"
+#include "model/model.h"
 #include "physics/contact/walls.h"
 
 /* --- circles and the search by power distance ------------------------------------------------- */

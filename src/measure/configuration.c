@@ -28,6 +28,20 @@ void disk_extent_add(disk_extent *e, const double at[2], double radius, bool fre
   }
 }
 
+int configuration_material(const sd_model *m, uint32_t body) {
+  return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
+}
+
+bool configuration_is_free(const configuration *c, uint32_t body) {
+  return body < c->model->n_disks && !c->model->disks[body].driven;
+}
+
+double configuration_radius(const configuration *c) {
+  double sum = 0.0;
+  for (size_t i = 0; i < c->model->n_disks; i++) sum += c->model->disks[i].radius;
+  return c->model->n_disks ? sum / (double)c->model->n_disks : 0.0;
+}
+
 /* --- frame ------------------------------------------------------------------------------------ */
 
 sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messages *messages) {

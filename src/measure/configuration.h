@@ -16,8 +16,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-#include "model/model.h"
 #include "model/state.h"
+#include "slipdisk/model.h"
 
 /* --- regions ---------------------------------------------------------------------------------- */
 
@@ -199,9 +199,7 @@ region configuration_region(const configuration *c, const double *wanted);
  * along coordinate c (0: x, 1: y). */
 unsigned configuration_open(const configuration *c);
 /* Returns the index of a body's material. */
-static inline int configuration_material(const sd_model *m, uint32_t body) {
-  return body < m->n_disks ? m->disks[body].material : m->walls[body - m->n_disks].material;
-}
+int configuration_material(const sd_model *m, uint32_t body);
 /* Returns the tangential force tau of stored contact c: the column contact_tau of the state if the
  * laws need it, else -k_t zeta; a zero is never -0. a, b: materials of the two bodies. */
 static inline double configuration_tau_of(const sd_model *m, const sd_state *s, size_t c, int a,
@@ -217,9 +215,7 @@ static inline double configuration_tau(const sd_model *m, const sd_state *s,
                               s->material[slot_of(slots, s->contact_b[c])]);
 }
 /* Returns true if the body is a free disk. */
-static inline bool configuration_is_free(const configuration *c, uint32_t body) {
-  return body < c->model->n_disks && !c->model->disks[body].driven;
-}
+bool configuration_is_free(const configuration *c, uint32_t body);
 /* Computes the position at[] that point k of a wall has in this frame, after the wall's rotation
  * about its pivot and the pivot's motion. body: number of the wall among the bodies of the run. */
 void configuration_wall_point(const sd_wall *wall, const frame_data *frame, size_t body, size_t k,
@@ -238,10 +234,6 @@ static inline void configuration_nearest(const configuration *c, double d[2]) {
   }
 }
 /* Returns the mean radius of the disks, 0 without disks. */
-static inline double configuration_radius(const configuration *c) {
-  double sum = 0.0;
-  for (size_t i = 0; i < c->model->n_disks; i++) sum += c->model->disks[i].radius;
-  return c->model->n_disks ? sum / (double)c->model->n_disks : 0.0;
-}
+double configuration_radius(const configuration *c);
 
 #endif

@@ -8,6 +8,7 @@
 #include "base/buckets.h"
 #include "base/memory.h"
 #include "measure/configuration.h"
+#include "model/model.h"
 
 /* Returns 1 + the clump number of a disk in play; 0 if it is in no clump. A clump number above the
  * number of disks, as in a damaged file, counts as 0, since each clump has a disk. */

@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/team.h"
 #include "measure/statistics.h"
+#include "model/model.h"
 
 /* --- pairs of centres ------------------------------------------------------------------------- */
 

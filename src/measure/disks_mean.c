@@ -10,6 +10,7 @@
 #include "measure/error_bar.h"
 #include "measure/observable.h"
 #include "measure/statistics.h"
+#include "model/model.h"
 #include "model/state.h"
 
 /* --- one disk --------------------------------------------------------------------------------- */

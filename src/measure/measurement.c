@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "base/team.h"
+#include "model/model.h"
 
 /* Three independent parts of a measurement, computed by different threads. */
 enum { STRESS, PAIRS, CELLS, PARTS };

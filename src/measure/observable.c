@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "model/model.h"
+
 sd_type observable_stored(const observable *o) {
   switch (o->type) {
     case OBSERVABLE_F64: return SD_F64;

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "measure/observable.h"
 #include "measure/stress.h"
+#include "model/model.h"
 #include "pack/compress.h"
 #include "physics/step/outside.h"
 #include "physics/system/bodies.h"

@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "model/model.h"
 #include "model/state.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"

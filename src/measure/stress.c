@@ -6,6 +6,7 @@
 
 #include "base/math.h"
 #include "base/memory.h"
+#include "model/model.h"
 
 principal stress_principal(const double t[4]) {
   double half = 0.5 * (t[STRESS_XX] - t[STRESS_YY]), shear = 0.5 * (t[STRESS_XY] + t[STRESS_YX]);

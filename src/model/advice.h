@@ -7,7 +7,7 @@
 #define SLIPDISK_MODEL_ADVICE_H
 
 #include "base/comm.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 
 /* Checks a model: adds warnings to `messages`, the most severe first, and returns the severity;
  * 0: no warning. Severities of the same check can be compared between models, those of different

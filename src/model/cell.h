@@ -7,6 +7,7 @@
 #ifndef MODEL_CELL_H
 #define MODEL_CELL_H
 
+#include "model/model.h"
 #include "model/state.h"
 
 /* Indices of the numbers that describe the shape of a deforming box: length along x, length

@@ -9,7 +9,7 @@
 #define MODEL_FIELD_KINDS_H
 
 #include "model/keys.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 
 #define FIELD_KINDS(ROW)                                                                           \
   ROW(SD_FIELD_DRAG, drag, "gamma* gamma_rotation per centre flow shear_rate swirl",               \

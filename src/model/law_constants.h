@@ -13,7 +13,7 @@
 #include <math.h>
 
 #include "base/math.h"
-#include "model/model.h"
+#include "model/law_features.h"
 
 /* Returns a/b, or 0 if b is 0. */
 static inline double law_ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }

@@ -4,7 +4,7 @@
 #define SLIPDISK_MODEL_LAWS_H
 
 #include "model/keys.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 
 extern const deck_table law_table;
 

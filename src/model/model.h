@@ -5,6 +5,9 @@
 #define MODEL_MODEL_H
 
 #include "base/message.h"
+#include "model/law_features.h"
+#include "model/segments.h"
+#include "model/start.h"
 #include "slipdisk/contact.h"
 #include "slipdisk/model.h"
 
@@ -86,23 +89,6 @@ typedef struct sd_bounds {
   sd_outside outside; /* action on a disk that leaves the rectangle */
 } sd_bounds;
 
-/* Higher derivatives per disk that Gear's integrator needs: the 3rd to 5th of x, of y and of
- * theta. */
-enum { SD_DERIVATIVES = 9 };
-
-/* History of a contact that is closed when the run starts (columns contact_* of state.h). */
-typedef struct sd_contact_memory {
-  /* Body numbers of the disk and its partner in this model; index of the segment if the partner
-   * is a wall (0: round body). */
-  uint32_t a, b, part;
-  int16_t slide; /* 0: the contact sticks; +1, -1: it slides with that sign of the torque. */
-  /* 1 if the contact law is that of the previous run, so that the stored force is still valid at
-   * step 0. */
-  int16_t force_carried;
-  double side; /* +1, -1: side of a straight wall on which the disk is; 0: round body. */
-  sd_contact_record record;
-} sd_contact_memory;
-
 /* Disks and contacts that are stored on this rank only (rows.h). */
 typedef struct sd_rows {
   size_t n;
@@ -122,48 +108,6 @@ typedef struct sd_rows {
 } sd_rows;
 
 /* --- derived by sd_model_finish --------------------------------------------------------------- */
-
-/* Shape of a wall segment: straight line, circular arc, or one of the end points of an arc. */
-typedef enum sd_piece {
-  SD_PIECE_STRAIGHT,
-  SD_PIECE_CURVE,
-  SD_PIECE_FIRST_END,
-  SD_PIECE_LAST_END
-} sd_piece;
-
-/* A segment of a wall in the wall's own frame (origin at the pivot, angle 0 at the start). */
-typedef struct sd_segment {
-  uint32_t body; /* body number of the wall */
-  sd_piece piece;
-  /* First end of the segment; for an infinite line any point of it; for an arc the centre of its
-   * circle. */
-  double start[2];
-  double tangent[2]; /* straight segments: unit vector from the first end to the second */
-  /* length of the segment; HUGE_VAL for an infinite line, which extends to both sides of `start` */
-  double length;
-  /* Tangent of the previous segment, or -tangent at a free end; it bounds the region in which
-   * the first end of this segment is the nearest point. */
-  double previous[2];
-  bool end_cap; /* True if the second end of the segment is free and acts as a point contact. */
-  /* Arc length along the wall from the start of the wall to the first end of this segment; on an
-   * arc from the middle of the arc. */
-  double arc;
-  int64_t next; /* index of the next segment of the wall; -1: none */
-  /* Arc: radius, and unit vectors from the centre to its two ends and to the point midway. */
-  double radius;
-  double first[2], last[2], middle[2];
-  bool wide; /* true for an arc of more than 180 degrees */
-  /* Number of the vertex at the first and at the second end, shared by all segments that meet
-   * there; 0: none. `meets`: true if ends of other walls lie there. */
-  uint32_t vertex[2];
-  bool meets[2];
-  /* Periodic box: image[c] is true if the segment has images along coordinate c; center:
-   * midpoint of the segment relative to `start`; cells: number of box lengths to the start of
-   * the next segment, if the wall continues in its own image. */
-  bool image[2];
-  double center[2];
-  int cells[2];
-} sd_segment;
 
 /* Column of the series in a sum, times a factor. The columns are those of energy_observables,
  * followed by those of series_observables (measure/observable.h), counted from 0, whether the model
@@ -393,29 +337,7 @@ void arc_segments(const sd_wall *arc, uint32_t body, sd_segment piece[3], int64_
 /* Distance from the point `at` to the arc, >= 0. */
 double arc_distance(const sd_wall *arc, const double at[2]);
 
-/* --- flags of the parts of the contact law that a model needs --------------------------------- */
-
-/* Flags of the parts of a contact law beyond the basic one, which is linear with gamma_n, k_t
- * and mu. Loops over contacts leave out parts that no law of the model has. */
-enum {
-  LAW_NORMAL = 1,  /* normal law not linear, or damped by a coefficient of restitution */
-  LAW_PULLS = 2,   /* normal damping that may make the normal force attractive */
-  LAW_KINETIC = 4, /* friction coefficient of sliding contacts below mu */
-  LAW_MINDLIN = 8,
-  LAW_DASHPOT = 16, /* tangential viscosity */
-  LAW_ROLLING = 32,
-  LAW_COHESION = 64,
-  LAW_BRIDGE = 128, /* capillary bridges */
-  LAW_RADIUS = 256, /* stiffness from a modulus and R_eff (E_star) */
-  LAW_GENERAL = ~LAW_NORMAL
-};
-/* Returns the flags LAW_... of the parts that one contact law has; 0 if the law is not given. */
-unsigned law_features(const sd_contact_law *law);
-/* Returns the flags LAW_... of the parts that any contact law of the model has. */
+/* Returns the flags LAW_... (law_features.h) of the parts that any contact law of the model has. */
 unsigned laws_features(const sd_model *model);
-
-/* Effective radius R_a R_b/(R_a + R_b) of rolling, and of Hertz' law; on a straight wall (rb = 0)
- * R_a. */
-static inline double law_arm(double ra, double rb) { return rb == 0.0 ? ra : ra * rb / (ra + rb); }
 
 #endif

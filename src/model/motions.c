@@ -17,6 +17,20 @@
 
 /* --- kinds of motion -------------------------------------------------------------------------- */
 
+void check_square(const sd_model *m, size_t k, sd_messages *messages) {
+  const sd_motion *q = &m->motions[k];
+  const double least = 8.0; /* smallest number of time steps per change of sides */
+  double steps = q->rise * M_PI / (fabs(q->omega) * m->dt);
+  if (!(q->rise > 0.0 && q->rise <= 1.0))
+    fail_about(messages, about_motion(m, k), "rise = %g: expected a number > 0, at most 1",
+               q->rise);
+  else if (steps < least)
+    fail_about(messages, about_motion(m, k),
+               "rise = %g: a change of sides takes %.3g steps, expected %g or more: a larger rise "
+               "or a smaller dt",
+               q->rise, steps, least);
+}
+
 static void check_random(const sd_model *m, size_t k, sd_messages *msg) {
   const sd_motion *q = &m->motions[k];
   if (!(q->omega > 0.0) || !(q->damping > 0.0) || q->interval < 1)

@@ -6,7 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "model/model.h"
+#include "slipdisk/model.h"
 #include "model/waveforms.h"
 #include "slipdisk/status.h"
 

@@ -29,7 +29,7 @@
 
 #include <math.h>
 
-#include "model/model.h"
+#include "model/law_features.h"
 
 /* Table of normal contact laws: ROW(number, name in the deck, keys as in deck_shape (keys.h),
  * meaning). */

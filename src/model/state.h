@@ -5,8 +5,10 @@
 #include <math.h>
 
 #include "base/team.h"
-#include "model/model.h"
+#include "slipdisk/contact.h"
 #include "slipdisk/state.h"
+
+typedef struct sd_model sd_model; /* defined in model.h */
 
 /* Offset added to the column contact_slide, until step 0, if the stored force of the contact is
  * valid (force_carried of sd_contact_memory). */
@@ -287,6 +289,7 @@ sd_state *state_new_part(const sd_model *model, size_t n_free, size_t n_ghosts);
  * there are no threads (c is NULL) or no memory. */
 void state_spread(sd_state *state, pool *c);
 /* True if two phases act alike in one respect. */
+typedef struct sd_phase sd_phase;
 typedef bool phase_alike(const sd_phase *one, const sd_phase *next);
 /* Returns the number of steps of the present phase and of the phases directly before it that are
  * alike, so that a phase cut in two keeps its schedule. */

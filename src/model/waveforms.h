@@ -13,7 +13,7 @@
 
 #include <math.h>
 
-#include "model/model.h"
+#include "slipdisk/model.h"
 
 /* Rows of the table MOTION_KINDS (motions.h). Rotated waves advance sine and cosine by a
  * rotation from step to step; phased waves are computed from the phase (PHASED_WAVES). */
@@ -79,19 +79,8 @@ static inline void square_shape(const sd_motion *q, double shape[WAVE_SHAPE]) {
   shape[1] = 1.875 * q->amplitude * (2.0 * q->omega / (M_PI * q->rise));
   shape[2] = 4.0 / q->rise; /* dq/dt with the time t in periods */
 }
-static inline void check_square(const sd_model *m, size_t k, sd_messages *messages) {
-  const sd_motion *q = &m->motions[k];
-  const double least = 8.0; /* smallest number of time steps per change of sides */
-  double steps = q->rise * M_PI / (fabs(q->omega) * m->dt);
-  if (!(q->rise > 0.0 && q->rise <= 1.0))
-    fail_about(messages, about_motion(m, k), "rise = %g: expected a number > 0, at most 1",
-               q->rise);
-  else if (steps < least)
-    fail_about(messages, about_motion(m, k),
-               "rise = %g: a change of sides takes %.3g steps, expected %g or more: a larger rise "
-               "or a smaller dt",
-               q->rise, steps, least);
-}
+/* Reports a rise that is out of range, or a change of sides that takes too few time steps. */
+void check_square(const sd_model *model, size_t motion, sd_messages *messages);
 
 #endif
 

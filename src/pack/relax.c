@@ -18,6 +18,7 @@
 #include <math.h>
 
 #include "base/math.h"
+#include "model/model.h"
 #include "physics/step/access.h"
 #include "physics/system/clumps.h"
 

@@ -7,7 +7,7 @@
 #define PACK_SIZES_H
 
 #include "base/gsl.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 
 typedef enum sd_size_kind {
   SD_SIZES_MONO,

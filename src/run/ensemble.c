@@ -11,6 +11,7 @@
 
 #include "base/memory.h"
 #include "base/subnormal.h"
+#include "model/model.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/small/lanes.h"
 #include "physics/step/access.h"

@@ -13,7 +13,7 @@
 
 #include "base/comm.h"
 #include "measure/resultant.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 #include "model/state.h"
 #include "physics/system/work.h"
 #include "slipdisk/simulation.h"

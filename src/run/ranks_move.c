@@ -10,6 +10,7 @@
 #include "base/math.h"
 #include "base/memory.h"
 #include "model/laws.h"
+#include "model/model.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/step/access.h"
 #include "run/ranks_share.h"

@@ -5,7 +5,7 @@
 
 #include "base/comm.h"
 #include "base/comm_cuts.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 #include "model/state.h"
 #include "physics/system/halo.h"
 #include "physics/system/work.h"

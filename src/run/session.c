@@ -20,6 +20,7 @@
 #include "io/results/merge.h"
 #include "io/store/file.h"
 #include "measure/average.h"
+#include "model/model.h"
 #include "pack/rain.h"
 #include "pack/settle.h"
 #include "run/ranks_share.h"

@@ -15,6 +15,7 @@
 #include "base/subnormal.h"
 #include "io/results/record.h"
 #include "measure/sample.h"
+#include "model/model.h"
 #include "pack/relax.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"

@@ -6,6 +6,7 @@
 
 #include <signal.h>
 
+#include "model/model.h"
 #include "base/comm.h"
 #include "base/comm_cuts.h"
 #include "io/results/record.h"

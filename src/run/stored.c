@@ -9,6 +9,7 @@
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
+#include "model/model.h"
 #include "slipdisk/deck.h"
 
 static bool ends_with(const char *text, size_t length, const char *tail) {

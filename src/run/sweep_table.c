@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
+#include "model/model.h"
 #include "run/sweep_private.h"
 
 /* --- One row per point ------------------------------------------------------------------------ */

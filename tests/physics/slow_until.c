@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "model/model.h"
 #include "sequential.h"
 
 enum { SEEDS = 1000 };

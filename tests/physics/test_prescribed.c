@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
+#include "model/model.h"
 
 #define HEAD                                                                                       \
   "dt = 1e-4; steps = 20000; materials = ( { name = \"m\"; k_n = 1e4; k_t = 8e3; gamma_n = 2.0; "  \

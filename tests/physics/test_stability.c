@@ -13,6 +13,7 @@
 
 #include "deck_runs.h"
 #include "model/advice.h"
+#include "model/model.h"
 
 /* k_n = 1, m = 1: w^2 = 2, c = 2 gamma_n = 2 zeta w. */
 static sd_model *held(const char *integrator, const char *law, double gamma, double dt,

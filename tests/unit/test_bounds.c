@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
+#include "model/model.h"
 #include "physics/step/outside.h"
 
 /* A box of segments whose floor has a hole; 20 disks in it. */

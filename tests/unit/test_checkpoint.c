@@ -19,6 +19,7 @@
 #include "io/results/checkpoint.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
+#include "model/model.h"
 #include "run/deck_diff.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"

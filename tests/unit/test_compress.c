@@ -10,6 +10,7 @@
 
 #include "deck_runs.h"
 #include "measure/resultant.h"
+#include "model/model.h"
 #include "pack/compress.h"
 #include "physics/step/access.h"
 

@@ -12,6 +12,7 @@
 #include <glob.h>
 #include <math.h>
 
+#include "model/model.h"
 #include "io/store/h5.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"

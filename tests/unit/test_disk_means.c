@@ -11,6 +11,7 @@
 #include <gsl/gsl_rng.h>
 
 #include "deck_runs.h"
+#include "model/model.h"
 #include "model/state.h"
 #include "slipdisk/measure.h"
 

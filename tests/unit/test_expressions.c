@@ -13,6 +13,7 @@
 
 #include "io/deck/deck.h"
 #include "brief.h"
+#include "model/model.h"
 #include "slipdisk/deck.h"
 
 #define REST                                                                                       \

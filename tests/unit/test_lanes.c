@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "model/model.h"
 #include "run/simulation_private.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"

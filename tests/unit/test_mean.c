@@ -10,6 +10,7 @@
 #include <gsl/gsl_rng.h>
 #include <math.h>
 
+#include "model/model.h"
 #include "brief.h"
 #include "model/state.h"
 #include "slipdisk/measure.h"

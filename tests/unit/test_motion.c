@@ -10,6 +10,7 @@
 
 #include "brief.h"
 #include "deck_runs.h"
+#include "model/model.h"
 
 #define DT 0x1p-12 /* a power of 2: step * DT is exact */
 

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
+#include "model/model.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/contact/walls.h"

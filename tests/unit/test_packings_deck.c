@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/model.h"
 #include "model/state.h"
 #include "packings_decks.h"
 #include "slipdisk/deck.h"

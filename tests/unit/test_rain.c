@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
+#include "model/model.h"
 #include "pack/rain.h"
 
 enum { DISKS = 104, BATCH = 25, INTERVAL = 5000, RUSH = 1000 };

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
+#include "model/model.h"
 #include "physics/motion/signals.h"
 #include "slipdisk/theory.h"
 

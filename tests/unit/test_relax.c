@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
+#include "model/model.h"
 #include "pack/relax.h"
 #include "physics/system/bodies.h"
 #include "physics/step/engine.h"

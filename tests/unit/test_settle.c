@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
+#include "model/model.h"
 #include "pack/settle.h"
 
 /* Disks fall into a box and lose what they bring; then a phase that only measures. */

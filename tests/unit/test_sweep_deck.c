@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "base/text.h"
+#include "model/model.h"
 #include "model/state.h"
 #include "run/sweep.h"
 #include "slipdisk/deck.h"

@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "model/model.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
 #include "deck_runs.h"

@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "deck_runs.h"
+#include "model/model.h"
 
 #define LAW "materials = ( { name = \"m\"; k_n = 1e4; k_t = 2e4; gamma_n = 1; mu = 0.3; } );\n"
 

@@ -14,6 +14,7 @@
 #include "base/team.h"
 #include "base/memory.h"
 #include "io/deck/deck.h"
+#include "model/model.h"
 #include "run/ensemble.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"

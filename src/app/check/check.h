@@ -4,7 +4,7 @@
 
 #include "app/app.h"
 #include "model/advice.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 
 /* Estimates for all points (runs) of a sweep. */
 typedef struct check_sweep {

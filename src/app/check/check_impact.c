@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "app/check/check.h"
+#include "model/model.h"
 #include "slipdisk/simulation.h"
 
 enum {

@@ -5,6 +5,7 @@
 
 #include "app/options.h"
 #include "io/results/frames.h"
+#include "model/model.h"
 
 /* Particle type: all disks of one material and one group (negative: no group) that are all
  * prescribed or all free. Exported files number the types from 1, in the order of the first disk of

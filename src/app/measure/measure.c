@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "io/results/checkpoint.h"
 #include "io/results/frames.h"
+#include "model/model.h"
 #include "slipdisk/deck.h"
 
 typedef struct arguments {

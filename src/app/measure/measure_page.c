@@ -10,6 +10,7 @@
 #include "base/limits.h"
 #include "base/text.h"
 #include "io/store/file.h"
+#include "model/model.h"
 
 static const double DEGREES = 180.0 / M_PI;
 

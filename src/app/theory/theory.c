@@ -16,6 +16,7 @@
 #include "base/text.h"
 #include "io/deck/deck.h"
 #include "io/store/file.h"
+#include "model/model.h"
 #include "slipdisk/deck.h"
 
 typedef struct arguments {

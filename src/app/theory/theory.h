@@ -13,7 +13,7 @@
 
 #include "io/deck/deck.h"
 #include "measure/observable.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 #include "slipdisk/theory.h"
 
 typedef enum theory_kind {

@@ -9,6 +9,7 @@
 #include "app/theory/theory.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "model/model.h"
 #include "slipdisk/deck.h"
 
 const char *const theory_configurations[4] = {

@@ -23,6 +23,7 @@
 #include "base/memory.h"
 #include "io/results/record.h"
 #include "measure/configuration.h"
+#include "model/model.h"
 #include "run/simulation_private.h"
 
 /* Copy of the state, which is not changed after it is made; users: number of references to it. */

@@ -10,6 +10,7 @@
 #include "app/json.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "model/model.h"
 #include "version.h"
 
 /* --- the run ---------------------------------------------------------------------------------- */

@@ -6,6 +6,7 @@
 #include "app/view/view.h"
 #include "base/memory.h"
 #include "io/results/checkpoint.h"
+#include "model/model.h"
 #include "slipdisk/deck.h"
 
 /* Largest number of frames on a page by default: 500 and the last one */

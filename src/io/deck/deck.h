@@ -14,7 +14,8 @@
 #include <stdio.h>
 
 #include "base/comm.h"
-#include "model/model.h"
+#include "model/start.h"
+#include "slipdisk/model.h"
 
 typedef struct sweep_parameter {
   char *name; /* Name of the parameter, and of its column in the table of results */
@@ -112,6 +113,8 @@ sd_status deck_load_for_ranks(const comm *c, const char *text, const char *path,
 typedef struct disk_angle_shift {
   double radius, shift;
 } disk_angle_shift;
+typedef struct sd_tile_wall sd_tile_wall; /* defined in model/model.h */
+
 /* Returns true if a contact read from a file can be kept: its partner is a disk (wall NULL), or a
  * wall, or segment of a wall, that the model has too. */
 bool deck_contact_is_kept(const sd_contact_memory *contact, const sd_tile_wall *wall);

@@ -10,7 +10,7 @@
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_values.h"
 #include "model/keys.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 
 /* A group of the deck that is being read, with the table of the keys that it may have. */
 typedef struct deck_group {

@@ -13,6 +13,7 @@
 #include "base/team.h"
 #include "base/text.h"
 #include "io/results/constants.h"
+#include "model/model.h"
 
 const checkpoint_extent checkpoint_extents[CHECKPOINT_EXTENTS] = {
     {"n_disks", offsetof(sd_state, n_disks)},

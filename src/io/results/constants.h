@@ -5,7 +5,7 @@
 #define SLIPDISK_IO_CONSTANTS_H
 
 #include "io/store/h5.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 #include "model/state.h"
 
 /* Source of the final state: a state in memory, or the last checkpoint file if `state` is NULL. */

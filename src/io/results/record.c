@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/results/trajectory.h"
+#include "model/model.h"
 
 /* Upper bound of the sort keys of contacts stored at one time (see checkpoint_order). */
 static const int64_t MOMENT = INT64_C(1) << 33;

@@ -11,6 +11,7 @@
 #include "base/team.h"
 #include "base/text.h"
 #include "io/store/members.h"
+#include "model/model.h"
 #include "pack/rain.h"
 #include "physics/step/outside.h"
 

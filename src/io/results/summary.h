@@ -8,7 +8,7 @@
 #include "base/exact_sum.h"
 #include "io/store/h5.h"
 #include "measure/average.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 #include "model/state.h"
 #include "slipdisk/measure.h"
 #include "slipdisk/simulation.h"
@@ -221,6 +221,8 @@ sd_status summary_read(summary *s, const h5_file *file, sd_messages *messages);
  * the file's state, so that results of any version are evaluated as by this version. Does nothing
  * if the file has no such bins. */
 void summary_renew(summary *s, const sd_model *model, const h5_file *file);
+
+typedef struct sd_limits sd_limits; /* defined in model/model.h */
 
 /* Sets the warnings (doubts) of the summary by comparing it with these limits. model, state, sums:
  * those of the run; NULL where only the summary is known. */

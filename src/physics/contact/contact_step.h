@@ -9,7 +9,7 @@
  *   tau  = -k_t zeta
  *
  * Further parts of a law (law_tangential.h, law_rolling.h, law_radius.h, model/law_cohesion.h)
- * are evaluated if their bit is set in `features` (model/model.h). In passes over plain laws
+ * are evaluated if their bit is set in `features` (model/law_features.h). In passes over plain laws
  * features is the constant 0; in passes over general laws it is the same number for all pairs.
  *
  * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, with
@@ -25,7 +25,6 @@
 #include "model/normal_laws.h"
 
 #ifndef CONTACT_STEP_COMMON
-#include "model/model.h"
 #define CONTACT_STEP_COMMON
 #define CONTACT_REBASE 0.015625
 #define CONTACT_SIGN 0x8000000000000000u

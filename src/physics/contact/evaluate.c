@@ -1,12 +1,12 @@
 /* evaluate.c: geometry, force and energy of single contacts; implements evaluate.h. */
-#include "physics/system/halo.h"
 #include "physics/contact/evaluate.h"
 
-#include "physics/contact/walls.h"
+#include "model/model.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
 #include "physics/system/bodies.h"
 #include "physics/system/box.h"
+#include "physics/system/halo.h"
 
 #define LANE_WIDTH 1
 #include "base/lane.h"

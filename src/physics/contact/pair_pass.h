@@ -21,7 +21,7 @@ enum {
   PASS_LAWS = 2 /* contact laws differ from pair to pair; all are linear with damping gamma_n */,
   PASS_MIXED = 4 /* contact laws differ, and some are not linear with damping gamma_n */,
   PASS_CELL = 8 /* the periodic box deforms, so forces across its edges are noted */,
-  PASS_GENERAL = 16 /* laws may have any of the features in model/model.h */
+  PASS_GENERAL = 16 /* laws may have any of the features in model/law_features.h */
 };
 #endif
 
@@ -128,7 +128,7 @@ LANE_INLINE LANE(contact_constants)
   return k;
 }
 
-/* Returns the LAW_ bits (model/model.h) that a pass of this kind evaluates. They are a compile-time
+/* Returns the LAW_ bits (model/law_features.h) that a pass of this kind evaluates. They are a compile-time
  * constant unless the pass is general. */
 LANE_INLINE unsigned LANE(features_of)(const work *w, const int kind) {
   return kind & PASS_GENERAL ? w->features : kind & PASS_MIXED ? LAW_NORMAL : 0;
@@ -383,7 +383,7 @@ LANE(contact_evaluate_slow)(engine *e, thread_work *mine, LANE(location) at,
   LANE(gather4)(w->packed, b->packed_b + at.l, of_b);
   LANE(real) rb = of_b[PACKED_RADIUS], smaller = LANE(min)(of_a[PACKED_RADIUS], LANE(max)(rb, -rb));
   const LANE(mask) which = (touching ^ was_closed) |
-                           (LANE(contact_is_deep)(g, e->model->max_overlap * smaller) & touching);
+                           (LANE(contact_is_deep)(g, e->work.max_overlap * smaller) & touching);
   if (features & LAW_BRIDGE) out.dropped = out.dropped + out.bridge;
   if (LANE(any)(which)) LANE(note)(&w->pairs, mine, at, which, was_closed, out.dropped);
   LANE(scatter)(w->sums.row, at, &out);

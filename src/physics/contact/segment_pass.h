@@ -274,7 +274,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   }
   LANE(contact_step)
   (&g, &k, touching, closed, LANE(select)(flat, lever, g.lever), 0, features, &m, &out);
-  const LANE(mask) deep = LANE(contact_is_deep)(&g, e->model->max_overlap * in.sum) & touching;
+  const LANE(mask) deep = LANE(contact_is_deep)(&g, e->work.max_overlap * in.sum) & touching;
   const LANE(mask) rare = (touching ^ was_closed) | deep;
   if (LANE(any)(rare | meet)) {
     LANE(contact_begin_end)

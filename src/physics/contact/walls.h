@@ -7,7 +7,7 @@
 #include <math.h>
 
 #include "base/math.h"
-#include "model/model.h"
+#include "model/segments.h"
 #include "physics/system/work.h"
 
 /* Point of a wall segment that is nearest to (x, y), the centre of a disk. */

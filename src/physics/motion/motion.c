@@ -8,6 +8,7 @@
 
 #include "base/math.h"
 #include "base/memory.h"
+#include "model/model.h"
 #include "model/motions.h"
 #include "physics/contact/pairs.h"
 #include "physics/motion/signals.h"

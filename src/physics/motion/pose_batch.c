@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "model/model.h"
 #include "physics/motion/signals.h"
 #include "physics/system/kernels.h"
 

@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "physics/motion/signals.h"
+#include "model/model.h"
 #include "physics/system/kernels.h"
 
 /* --- values by source ------------------------------------------------------------------------- */

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "base/math.h"
+#include "model/model.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
 #include "physics/system/bodies.h"

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "base/math.h"
+#include "model/model.h"
 #include "physics/contact/energy.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"

@@ -9,7 +9,7 @@
 #define PHYSICS_NEIGHBOURS_H
 
 #include "base/comm.h"
-#include "model/model.h"
+#include "slipdisk/model.h"
 #include "model/state.h"
 #include "physics/neighbours/grid.h"
 #include "physics/system/work.h"

@@ -9,6 +9,7 @@
 #include "base/comm.h"
 #include "base/math.h"
 #include "base/memory.h"
+#include "model/model.h"
 #include "model/state.h"
 #include "physics/neighbours/grid.h"
 

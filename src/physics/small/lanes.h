@@ -47,7 +47,7 @@ enum {
   PAIR_KT,
   PAIR_GAMMA,
   PAIR_CAP,
-  PAIR_NORMAL, /* number of the normal force law (model/model.h) */
+  PAIR_NORMAL, /* number of the normal force law (model/normal_laws.h) */
   PAIR_TSUJI,  /* damping coefficient of Tsuji's law: alpha sqrt(m_eff k_n); see law_tsuji */
   /* first of LAW_MORE rows: members of law_row from `pulls` on, the constants of general contact
    * laws */
@@ -132,7 +132,7 @@ typedef struct lanes {
 
   /* The following properties are the same for all systems. */
   bool gear, conservative;
-  unsigned features; /* LAW_ bits of all contact laws (model/model.h) */
+  unsigned features; /* LAW_ bits of all contact laws (model/law_features.h) */
   size_t n_free, n_disks, n_bodies, n_pairs, n_slides;
   uint32_t a[LANES_PAIRS], b[LANES_PAIRS]; /* slots of the two bodies of each pair */
   size_t touching[LANES_BODIES];           /* number of pairs of each body, by slot */

@@ -11,7 +11,6 @@
 #include <math.h>
 
 #include "base/math.h"
-#include "model/model.h"
 #include "model/normal_laws.h"
 #include "physics/contact/walls.h"
 #include "physics/contact/pairs.h"
@@ -98,7 +97,7 @@ static inline int engine_contact_sliding(const engine *e, size_t k) {
  * counter-clockwise. */
 static inline double engine_contact_tau(const engine *e, size_t k) {
   if (e->work.pairs.more) return MORE(&e->work.pairs, k, tau);
-  return -(e->model->laws[PAIR(&e->work.pairs, k, law)].k_t * PAIR(&e->work.pairs, k, zeta));
+  return -(e->work.laws[PAIR(&e->work.pairs, k, law)].k_t * PAIR(&e->work.pairs, k, zeta));
 }
 static inline double engine_contact_stiffness(const engine *e, size_t k) {
   const sd_contact_law law = contact_law_of(e, k);

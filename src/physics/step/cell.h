@@ -13,6 +13,7 @@
 #ifndef PHYSICS_CELL_H
 #define PHYSICS_CELL_H
 
+#include "model/cell.h"
 #include "physics/system/work.h"
 
 /* Number of steps between two changes of the deformation rates. */

@@ -1,4 +1,5 @@
 /* clump_step.c: predictor and corrector of clumps; implements clumps_... of step.h. */
+#include "model/model.h"
 #include "physics/step/step.h"
 
 #include "model/field_kinds.h"

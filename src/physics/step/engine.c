@@ -189,7 +189,8 @@ static void fill_limit(const engine *e, work *w) {
   double least = HUGE_VAL;
   for (size_t i = 0; i < e->state->n_bodies; i++)
     if (e->state->radius[i] != 0.0) least = math_min(least, fabs(e->state->radius[i]));
-  w->least_limit = e->model->max_overlap * least;
+  w->max_overlap = e->model->max_overlap;
+  w->least_limit = w->max_overlap * least;
   assert(w->least_limit > 0.0);
 }
 

@@ -3,6 +3,8 @@
 #ifndef PHYSICS_ENGINE_H
 #define PHYSICS_ENGINE_H
 
+#include "model/start.h"
+#include "slipdisk/model.h"
 #include "physics/system/work.h"
 
 /* Fills the state of step 0 from the model: slots and poses of bodies, and the contacts of the

@@ -76,7 +76,6 @@ LANE_INLINE LANE(real) LANE(accelerate)(LANE(real) force, LANE(real) constant, L
 
 #ifndef INTEGRATE_VIEW
 #define INTEGRATE_VIEW
-#include "model/model.h"
 
 /* Pointers and constants of an engine that the loops need, copied so that the compiler does not
  * reload them after every store. view_of makes one for slots from `begin` on, as far as these slots

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "model/model.h"
 #include "physics/contact/energy.h"
 #include "physics/step/access.h"
 #include "physics/step/contacts.h"

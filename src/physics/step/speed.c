@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <math.h>
 
+#include "model/model.h"
 #include "model/motions.h"
 #include "physics/motion/motion.h"
 

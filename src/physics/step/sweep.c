@@ -3,6 +3,7 @@
 
 #include <assert.h>
 
+#include "model/model.h"
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
 #include "physics/neighbours/chunks.h"

@@ -21,6 +21,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "model/model.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
 #include "physics/motion/motion.h"

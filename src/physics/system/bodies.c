@@ -9,6 +9,11 @@
 #include <math.h>
 #include <string.h>
 
+bool body_is_moved(const engine *e, uint32_t body, size_t slot) {
+  return slot >= e->state->n_free || !disk_holds(&e->model->disks[body]) ||
+         e->state->activity[slot] == SD_HELD;
+}
+
 /* Notes values that are the same for all disks, so that loops need not read them disk by disk:
  * whether inverse masses along x and y are equal, and which constant forces are 0. */
 static void note_sameness(engine *e) {

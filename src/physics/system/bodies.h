@@ -19,10 +19,7 @@ static inline bool body_in_play(const sd_state *s, size_t slot) {
 
 /* False if motions that name the body in this slot do not move it now, since it is a disk that was
  * released. */
-static inline bool body_is_moved(const engine *e, uint32_t body, size_t slot) {
-  return slot >= e->state->n_free || !disk_holds(&e->model->disks[body]) ||
-         e->state->activity[slot] == SD_HELD;
-}
+bool body_is_moved(const engine *e, uint32_t body, size_t slot);
 
 /* Returns the displacement of a wall's moving surface (conveyor belt, rotating drum) along the
  * wall, counter-clockwise on a round wall; 0 for disks. It enters the tangential displacement

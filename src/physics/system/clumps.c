@@ -7,7 +7,9 @@
 #include <stdlib.h>
 
 #include "base/memory.h"
+#include "model/model.h"
 #include "physics/system/bodies.h"
+#include "slipdisk/simulation.h"
 
 #define LANE_WIDTH 1
 #include "base/lane.h"

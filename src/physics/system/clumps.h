@@ -9,7 +9,6 @@
 #define PHYSICS_CLUMPS_H
 
 #include "physics/system/work.h"
-#include "slipdisk/simulation.h"
 
 /* Sets poses and velocities of clumps at step 0, from the model. Disks of a clump get periodic
  * image counts such that their unwrapped positions lie around the clump's centre. */
@@ -67,9 +66,10 @@ void clump_book_damping(engine *e, size_t k, const clump_load *damped, double dt
 void clump_accelerate(engine *e, size_t k);
 void clumps_accelerate(engine *e);
 
+struct sd_energy;
 /* Adds the kinetic energies and the potentials of constant forces of all clumps to the energy
  * budget `sum`. */
-void clumps_add_energy(const engine *e, sd_energy *sum);
+void clumps_add_energy(const engine *e, struct sd_energy *sum);
 
 /* True if clump k takes part in the run: it is not waiting and has not been removed. Its disks come
  * and go together with it. A clump outside the bounds (SD_OUTSIDE) is still in play. */

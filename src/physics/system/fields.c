@@ -8,6 +8,7 @@
 
 #include "base/memory.h"
 #include "model/field_kinds.h"
+#include "model/model.h"
 #include "physics/system/bodies.h"
 #include "physics/system/clumps.h"
 #include "physics/system/kernels.h"

@@ -14,10 +14,10 @@
 
 #include "base/comm.h"
 #include "base/team.h"
-#include "slipdisk/contact.h"
 #include "model/law_constants.h"
-#include "model/model.h"
+#include "model/segments.h"
 #include "model/state.h"
+#include "slipdisk/contact.h"
 
 /* Constants of the contact law for one pair of materials, in the form that the pair loop uses. */
 #define LAW_MEMBER(features, name, value) double name;
@@ -27,7 +27,7 @@ typedef struct law_row {
   /* normal: number of the normal force law; tsuji: factor of its damping by restitution
    * (law_tsuji) */
   double normal, tsuji;
-  /* The other members are only read if some law needs them (LAW_GENERAL in model/model.h). */
+  /* The other members are only read if some law needs them (LAW_GENERAL in model/law_features.h). */
   LAW_CONSTANTS(LAW_MEMBER)
 } law_row;
 #undef LAW_MEMBER
@@ -381,7 +381,7 @@ typedef struct work {
   work_cell cell;
   law_row *laws; /* [n_materials^2] contact law of materials i and j, at index i n_materials + j */
   bool one_law;  /* true if all rows of `laws` are the same */
-  /* LAW_ bits of all contact laws together (model.h); 0: k_n, gamma_n, k_t and mu suffice */
+  /* LAW_ bits of all contact laws together (law_features.h); 0: k_n, gamma_n, k_t and mu suffice */
   unsigned features;
   bool stale; /* true: the neighbour list must be rebuilt for the coming step; set by step_once */
   /* first step for which contact forces on free disks are stored in the state; set by step_begin */
@@ -412,6 +412,7 @@ typedef struct work {
   int32_t *row;
   double *packed;         /* [rows][PACKED_ROW] packed bodies */
   size_t packed_capacity; /* number of rows that `packed` has memory for */
+  double max_overlap;     /* largest overlap over the smaller radius (sd_model) */
   double least_limit;     /* overlap limit of the smallest body */
   double margin;          /* largest gap at which a contact begins or ends (cohesion) */
   /* skin: Verlet margin; moved_limit2: squared displacement at which the list is stale */

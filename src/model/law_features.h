@@ -1,0 +1,29 @@
+/* law_features.h: the parts of contact laws, as flags by which loops over contacts leave out what
+ * no law of a model has. */
+#ifndef MODEL_LAW_FEATURES_H
+#define MODEL_LAW_FEATURES_H
+
+#include "slipdisk/law.h"
+
+/* Flags of the parts of a contact law beyond the basic one, which is linear with gamma_n, k_t
+ * and mu. Loops over contacts leave out parts that no law of the model has. */
+enum {
+  LAW_NORMAL = 1,  /* normal law not linear, or damped by a coefficient of restitution */
+  LAW_PULLS = 2,   /* normal damping that may make the normal force attractive */
+  LAW_KINETIC = 4, /* friction coefficient of sliding contacts below mu */
+  LAW_MINDLIN = 8,
+  LAW_DASHPOT = 16, /* tangential viscosity */
+  LAW_ROLLING = 32,
+  LAW_COHESION = 64,
+  LAW_BRIDGE = 128, /* capillary bridges */
+  LAW_RADIUS = 256, /* stiffness from a modulus and R_eff (E_star) */
+  LAW_GENERAL = ~LAW_NORMAL
+};
+/* Returns the flags LAW_... of the parts that one contact law has; 0 if the law is not given. */
+unsigned law_features(const sd_contact_law *law);
+
+/* Effective radius R_a R_b/(R_a + R_b) of rolling, and of Hertz' law; on a straight wall (rb = 0)
+ * R_a. */
+static inline double law_arm(double ra, double rb) { return rb == 0.0 ? ra : ra * rb / (ra + rb); }
+
+#endif
