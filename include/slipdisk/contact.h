@@ -1,4 +1,4 @@
-/* contact.h: the quantities that a closed contact stores from step to step, as two tables.
+/* contact.h: the quantities that a closed contact stores from step to step, as tables.
  *
  * Code that is generated from these tables: columns of the pair list and their transfer when
  * neighbour lists are rebuilt, contact columns of the state and of checkpoints, contacts that open
@@ -26,18 +26,21 @@
   X(nonconservative_work, "energy",                                                                \
     "put in by the paper's tangential force since the contact began")
 
-/* Table of further quantities, with rows of the same form. They are 0 unless a law of the model
- * has damping that may pull, kinetic friction, Mindlin's tangential spring, a tangential
- * dashpot, rolling friction or attraction. */
-#define SD_CONTACT_MORE(X)                                                                         \
-  X(tau, "force", "tangential force, spring and dashpot")                                          \
-  X(pull, "force", "attraction, by which the normal force is smaller")                             \
-  X(rho_ref, "length", "reference of the rolling displacement")                                    \
-  X(rho, "length", "rolling displacement R_eff (theta_a - theta_b) from there")                    \
-  X(roll, "force", "rolling force; over the arm R_eff it is the couple")                           \
-  X(rolling, "energy", "lost to rolling since the contact began")
+/* X(name, unit, meaning, laws): further quantities. `laws` is the part of a contact law that needs
+ * the quantity: ROLLING, COHESION, or GENERAL for any of these, damping that may pull, kinetic
+ * friction, Mindlin's tangential spring or a tangential dashpot. They are 0 unless a law of the
+ * model has that part. The first table has what the next step needs, the second sums of energies. */
+#define SD_CONTACT_MEMORY(X)                                                                       \
+  X(tau, "force", "tangential force, spring and dashpot", GENERAL)                                 \
+  X(pull, "force", "attraction, by which the normal force is smaller", COHESION)                   \
+  X(rho_ref, "length", "reference of the rolling displacement", ROLLING)                           \
+  X(rho, "length", "rolling displacement R_eff (theta_a - theta_b) from there", ROLLING)           \
+  X(roll, "force", "rolling force; over the arm R_eff it is the couple", ROLLING)
+#define SD_CONTACT_LOSSES(X)                                                                       \
+  X(rolling, "energy", "lost to rolling since the contact began", ROLLING)
+#define SD_CONTACT_MORE(X) SD_CONTACT_MEMORY(X) SD_CONTACT_LOSSES(X)
 
-#define SD_CONTACT_MEMBER(name, unit, meaning) double name;
+#define SD_CONTACT_MEMBER(name, ...) double name;
 /* The stored quantities of one contact between two bodies a and b, in the order of the tables
  * SD_CONTACT_RECORD and SD_CONTACT_MORE. */
 typedef struct sd_contact_record {
@@ -46,7 +49,7 @@ typedef struct sd_contact_record {
 } sd_contact_record;
 #undef SD_CONTACT_MEMBER
 
-#define SD_CONTACT_ONE(name, unit, meaning) +1
+#define SD_CONTACT_ONE(name, ...) +1
 /* Numbers of columns per contact: rows of SD_CONTACT_RECORD, rows of SD_CONTACT_MORE, and their
  * sum. */
 enum {

@@ -19,6 +19,9 @@ enum {
   LAW_RADIUS = 256, /* stiffness from a modulus and R_eff (E_star) */
   LAW_GENERAL = ~LAW_NORMAL
 };
+/* True if a pass over general laws with these features needs what the part `laws` of a law needs:
+ * a row of SD_CONTACT_MORE (slipdisk/contact.h). */
+#define LAW_NEEDS(features, laws) (LAW_##laws == LAW_GENERAL || ((features)&LAW_##laws) != 0)
 /* Returns the flags LAW_... of the parts that one contact law has; 0 if the law is not given. */
 unsigned law_features(const sd_contact_law *law);
 

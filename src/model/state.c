@@ -131,7 +131,7 @@ const sd_field sd_fields[] = {
   COLUMN(contact_##name, SD_F64, SD_PER_CONTACT, unit, meaning),
     SD_CONTACT_RECORD(RECORD_COLUMN)
 #undef RECORD_COLUMN
-#define MORE_COLUMN(name, unit, meaning)                                                           \
+#define MORE_COLUMN(name, unit, meaning, laws)                                                     \
   COLUMN(contact_##name, SD_F64, SD_PER_LAW_CONTACT, unit, meaning),
         SD_CONTACT_MORE(MORE_COLUMN)
 #undef MORE_COLUMN
@@ -517,7 +517,7 @@ sd_contact_record sd_state_record(const sd_state *s, size_t c) {
 #define RECORD_READ(name, unit, meaning) .name = s->contact_##name[c],
   sd_contact_record record = {SD_CONTACT_RECORD(RECORD_READ)};
 #undef RECORD_READ
-#define MORE_READ(name, unit, meaning) record.name = s->contact_##name[c];
+#define MORE_READ(name, ...) record.name = s->contact_##name[c];
   if (s->law_columns) {
     SD_CONTACT_MORE(MORE_READ)
   }
@@ -527,7 +527,7 @@ sd_contact_record sd_state_record(const sd_state *s, size_t c) {
 
 void sd_state_set_record(sd_state *s, size_t c, const sd_contact_record *record) {
   assert(c < s->n_contacts && s->n_contacts <= s->contact_capacity);
-#define RECORD_WRITE(name, unit, meaning) s->contact_##name[c] = record->name;
+#define RECORD_WRITE(name, ...) s->contact_##name[c] = record->name;
   SD_CONTACT_RECORD(RECORD_WRITE)
   if (s->law_columns) {
     SD_CONTACT_MORE(RECORD_WRITE)

@@ -130,7 +130,7 @@ struct sd_state {
   /* 0: contact sticks; +1, -1: slides with that sign of the torque; plus SD_FORCE_CARRIED before
    * step 0 */
   int32_t *contact_slide;
-#define SD_CONTACT_POINTER(name, unit, meaning) double *contact_##name;
+#define SD_CONTACT_POINTER(name, ...) double *contact_##name;
   SD_CONTACT_RECORD(SD_CONTACT_POINTER) /* columns in the first table of contact.h */
   /* columns in the second table of contact.h, which some laws need; empty unless law_columns is
    * 1 */

@@ -6,7 +6,7 @@
 - the comment at the top, "model.h: ...", is that of the file;
 - a comment on lines of its own belongs to the declaration that follows, one behind a declaration to this one;
 - rules ("--- building ---") begin a group of functions;
-- rows X(name, "unit", "meaning") of a table of members are written out as members.
+- rows X(name, "unit", "meaning", ...) of a table of members are written out as members.
 """
 import pathlib
 import re
@@ -14,7 +14,7 @@ import sys
 
 COMMENT = re.compile(r"/\*(?!\*).*?\*/", re.S)
 RULE = re.compile(r"^/\* --- (.*?) -+ \*/$")
-ROW = re.compile(r'^\s*X\((\w+), "(.*?)", "(.*?)"\)', re.M)
+ROW = re.compile(r'\bX\((\w+), "(.*?)",\s*(?:\\\n\s*)?"(.*?)"(?:, \w+)?\)')
 TABLE = re.compile(r"^/\* X\((?:.*\n)*?(?=typedef)", re.M)
 FUNCTION = re.compile(r"^SD_API [^;(]*?\b(sd_\w+)\(", re.M)
 SEVERAL = re.compile(r"^(\s*)((?:const )?\w+) ([^;()]*,[^;()]*);\s*$")

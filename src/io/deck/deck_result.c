@@ -221,7 +221,7 @@ static void read_contacts(reader *in, deck_result *r) {
   r->part = part_of(in, "contact_part", SD_U32, all, begin, n);
   r->side = part_of(in, "contact_side", SD_F64, all, begin, n);
   r->slide = part_of(in, "contact_slide", SD_I32, all, begin, n);
-#define NAME(name, unit, meaning) "contact_" #name,
+#define NAME(name, ...) "contact_" #name,
   static const char *const names[] = {SD_CONTACT_RECORD(NAME) SD_CONTACT_MORE(NAME)};
 #undef NAME
   for (size_t k = 0; k < SD_CONTACT_ALL && !in->failed; k++) {

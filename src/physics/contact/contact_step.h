@@ -184,13 +184,15 @@ LANE_INLINE LANE(real)
   return energy;
 }
 
-/* Record of a contact (sd_contact_record), without the accumulated losses, and whether the contact
- * slid in the previous step (slid). Members from `tau` on are only used with general laws. */
+/* Record of a contact (sd_contact_record), without the accumulated losses. Members from `slid` on
+ * are only used with general laws. slid: the contact slid in the previous step. */
+#define MEMORY_LANES(name, ...) LANE(real) name;
 typedef struct LANE(contact_memory) {
   LANE(real) lambda_ref, ex, ey, force, overlap, zeta, turned;
-  LANE(real) tau, pull, rho_ref, rho, roll;
   LANE(mask) slid;
+  SD_CONTACT_MEMORY(MEMORY_LANES)
 } LANE(contact_memory);
+#undef MEMORY_LANES
 
 /* Masks of the lanes whose contact is closed before the step (before), and after it (now). */
 typedef struct LANE(contact_closed) {
@@ -540,10 +542,10 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
   m->ex = LANE(mask_zero)(touching, LANE(select)(begun, g->nx, before->ex));
   m->ey = LANE(mask_zero)(touching, LANE(select)(begun, g->ny, before->ey));
   if (!(features & LAW_GENERAL)) return;
-  out->rolling = LANE(mask_zero)(was_closed | touching, out->rolling);
-  m->rho_ref = LANE(mask_zero)(touching, m->rho_ref);
-  m->tau = LANE(mask_zero)(touching, m->tau);
-  m->pull = LANE(mask_zero)(touching, m->pull);
-  m->rho = LANE(mask_zero)(touching, m->rho);
-  m->roll = LANE(mask_zero)(touching, m->roll);
+#define MEMORY_MASK(name, ...) m->name = LANE(mask_zero)(touching, m->name);
+#define LOSS_MASK(name, ...) out->name = LANE(mask_zero)(was_closed | touching, out->name);
+  SD_CONTACT_MEMORY(MEMORY_MASK)
+  SD_CONTACT_LOSSES(LOSS_MASK)
+#undef MEMORY_MASK
+#undef LOSS_MASK
 }

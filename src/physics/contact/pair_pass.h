@@ -143,29 +143,27 @@ LANE_INLINE pair_more *LANE(more_of)(const work *w, LANE(location) at) {
 LANE_INLINE void LANE(load_more)(const pair_more *more, size_t l, const unsigned features,
                                  unsigned slides, LANE(contact_memory) * m) {
   m->slid = LANE(mask_of)(slides);
-  m->tau = LANE(load)(more->tau + l);
-  m->pull = m->rho_ref = m->rho = m->roll = LANE(splat)(0.0);
-  if (features & LAW_COHESION) m->pull = LANE(load)(more->pull + l);
-  if (!(features & LAW_ROLLING)) return;
-  m->rho_ref = LANE(load)(more->rho_ref + l);
-  m->rho = LANE(load)(more->rho + l);
-  m->roll = LANE(load)(more->roll + l);
+#define MEMORY_LOAD(name, unit, meaning, laws)                                                     \
+  m->name = LAW_NEEDS(features, laws) ? LANE(load)(more->name + l) : LANE(splat)(0.0);
+  SD_CONTACT_MEMORY(MEMORY_LOAD)
+#undef MEMORY_LOAD
+}
+
+LANE_INLINE void LANE(add_loss)(double *sum, LANE(real) loss) {
+  LANE(store)(sum, LANE(load)(sum) + loss);
 }
 
 LANE_INLINE void LANE(store_more)(pair_more *more, size_t l, const unsigned features,
                                   const LANE(contact_memory) * m,
                                   const LANE(contact_output) * out) {
-  LANE(store)(more->tau + l, m->tau);
-  if (features & LAW_COHESION) LANE(store)(more->pull + l, m->pull);
-  if (!(features & LAW_ROLLING)) return;
-  LANE(store)(more->rho_ref + l, m->rho_ref);
-  LANE(store)(more->rho + l, m->rho);
-  LANE(store)(more->roll + l, m->roll);
-  LANE(store)(more->rolling + l, LANE(load)(more->rolling + l) + out->rolling);
-}
-
-LANE_INLINE void LANE(add_loss)(double *sum, LANE(real) loss) {
-  LANE(store)(sum, LANE(load)(sum) + loss);
+#define MEMORY_STORE(name, unit, meaning, laws)                                                    \
+  if (LAW_NEEDS(features, laws)) LANE(store)(more->name + l, m->name);
+#define LOSS_STORE(name, unit, meaning, laws)                                                      \
+  if (LAW_NEEDS(features, laws)) LANE(add_loss)(more->name + l, out->name);
+  SD_CONTACT_MEMORY(MEMORY_STORE)
+  SD_CONTACT_LOSSES(LOSS_STORE)
+#undef MEMORY_STORE
+#undef LOSS_STORE
 }
 
 /* Stores the contact records of LANE_WIDTH pairs, and adds the losses of this step to the sums in

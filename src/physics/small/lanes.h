@@ -35,7 +35,7 @@ enum {
 };
 
 /* Rows of each pair. The names of rows of the contact record are made from those of its columns. */
-#define PAIR_ROW(name, unit, meaning) PAIR_##name,
+#define PAIR_ROW(name, ...) PAIR_##name,
 enum {
   /* rows for the columns of the contact record (slipdisk/contact.h) */
   SD_CONTACT_RECORD(PAIR_ROW)

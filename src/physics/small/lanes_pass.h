@@ -131,11 +131,9 @@ LANE_INLINE void PASS(load_pair)(const lanes *l, PASS(step_registers) * f, size_
   m->zeta = PASS(row)(p, PAIR_zeta);
   m->turned = PASS(row)(p, PAIR_turned);
   if (features & LAW_GENERAL) {
-    m->tau = PASS(row)(p, PAIR_tau);
-    m->pull = PASS(row)(p, PAIR_pull);
-    m->rho_ref = PASS(row)(p, PAIR_rho_ref);
-    m->rho = PASS(row)(p, PAIR_rho);
-    m->roll = PASS(row)(p, PAIR_roll);
+#define MEMORY_LOAD(name, ...) m->name = PASS(row)(p, PAIR_##name);
+    SD_CONTACT_MEMORY(MEMORY_LOAD)
+#undef MEMORY_LOAD
     f->out[k].slip = PASS(row)(p, PAIR_SLIP);
   }
   f->closed[k] = LANE(greater)(PASS(row)(p, PAIR_CLOSED), LANE(splat)(0.0));
@@ -160,11 +158,9 @@ LANE_INLINE void PASS(store_pair)(const lanes *l, const PASS(step_registers) * f
   PASS(set_row)(p, PAIR_TAU, f->out[k].tau);
   if (features & LAW_GENERAL) {
     PASS(set_row)(p, PAIR_COUPLE, f->out[k].couple);
-    PASS(set_row)(p, PAIR_tau, m->tau);
-    PASS(set_row)(p, PAIR_pull, m->pull);
-    PASS(set_row)(p, PAIR_rho_ref, m->rho_ref);
-    PASS(set_row)(p, PAIR_rho, m->rho);
-    PASS(set_row)(p, PAIR_roll, m->roll);
+#define MEMORY_STORE(name, ...) PASS(set_row)(p, PAIR_##name, m->name);
+    SD_CONTACT_MEMORY(MEMORY_STORE)
+#undef MEMORY_STORE
   }
   if (!PASS(is_straight)(l, k)) return;
   double *w = PASS(straight_rows)(l, k);
@@ -284,7 +280,10 @@ LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step
   if (PASS(is_straight)(l, k)) f->side[k] = LANE(mask_zero)(f->closed[k], f->side[k]);
   PASS(add_loss)(p, PAIR_viscous, out->viscous);
   PASS(add_loss)(p, PAIR_friction, out->friction);
-  if (s->features & LAW_ROLLING) PASS(add_loss)(p, PAIR_rolling, out->rolling);
+#define LOSS_ADD(name, unit, meaning, laws)                                                        \
+  if (s->features & LAW_##laws) PASS(add_loss)(p, PAIR_##name, out->name);
+  SD_CONTACT_LOSSES(LOSS_ADD)
+#undef LOSS_ADD
   if (!s->conservative) PASS(add_loss)(p, PAIR_nonconservative_work, out->work);
 }
 

@@ -41,7 +41,7 @@ enum { LAW_MORE = (sizeof(law_row) - offsetof(law_row, pulls)) / sizeof(double) 
  * checkpoints, and carried over when the neighbour list is rebuilt; the other columns are written
  * by the functions named beside them. */
 enum { PAIR_BLOCK = 8 };
-#define PAIR_COLUMN(name, unit, meaning) double name[PAIR_BLOCK];
+#define PAIR_COLUMN(name, ...) double name[PAIR_BLOCK];
 typedef struct pair_block {
   /* Offsets, in doubles, of bodies a and b in work.packed; set by pairs_list. */
   _Alignas(64) int32_t packed_a[PAIR_BLOCK], packed_b[PAIR_BLOCK];
