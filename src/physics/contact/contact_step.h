@@ -400,16 +400,17 @@ LANE_INLINE LANE(real) LANE(since_touch)(const LANE(pair_geometry) * g, LANE(rea
   return LANE(mask_zero)(within, LANE(min)(since, dt));
 }
 
-/* True for contacts that begin in this step, and for contacts that were closed at a gap by
- * attraction and whose surfaces touch in this step. was: overlap before the step. */
+/* True for contacts that begin in this step, and for contacts that were closed at a gap by the
+ * attraction of their law and whose surfaces touch in this step. before: record before the step. */
 LANE_INLINE LANE(mask)
-    LANE(surfaces_meet)(const LANE(pair_geometry) * g, LANE(real) was, LANE(mask) touching,
+    LANE(surfaces_meet)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                        const LANE(contact_memory) * before, LANE(mask) touching,
                         LANE(mask) was_closed, const unsigned features) {
   const LANE(mask) begun = touching & LANE(not )(was_closed);
   if (!(features & LAW_COHESION)) return begun;
   const LANE(real) zero = LANE(splat)(0.0);
-  return begun | (touching & was_closed & LANE(not )(LANE(greater)(was, zero)) &
-                  LANE(greater)(g->reach, zero));
+  return begun | (touching & was_closed & LANE(greater)(k->ends, zero) &
+                  LANE(not )(LANE(greater)(before->overlap, zero)) & LANE(greater)(g->reach, zero));
 }
 
 /* Initialises the contacts whose surfaces touch in this step (mask `meet`); call it before
@@ -512,7 +513,7 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
                                          LANE(contact_memory) * m, LANE(contact_output) * out) {
   const LANE(mask) opened = was_closed & LANE(not )(touching),
                    begun = LANE(not )(was_closed) & touching;
-  const LANE(mask) meet = LANE(surfaces_meet)(g, before->overlap, touching, was_closed, features);
+  const LANE(mask) meet = LANE(surfaces_meet)(g, k, before, touching, was_closed, features);
   const LANE(real) half = LANE(splat)(0.5), way = half_relative_acceleration - g->approach * dt;
   const LANE(real) overlap = LANE(select)(begun, m->overlap, before->overlap);
   LANE(real) stored = LANE(law_stored)(k, LANE(max)(overlap, LANE(splat)(0.0)), features);

@@ -355,9 +355,6 @@ LANE(contact_evaluate_slow)(engine *e, thread_work *mine, LANE(location) at,
   const unsigned features = LANE(features_of)(w, kind);
   const LANE(contact_constants) k = LANE(constants_for)(w, at, kind, features);
   const LANE(mask) was_closed = LANE(mask_of)((unsigned)flags->closed >> at.l);
-  const LANE(mask) touching =
-      LANE(contact_touches)(g, &k, was_closed, features) & LANE(has_direction)(g);
-  const LANE(mask) closed = touching & was_closed;
   LANE(contact_memory) m, before;
   LANE(contact_output) out;
   LANE(load_memory)(at, paper, &m);
@@ -366,9 +363,12 @@ LANE(contact_evaluate_slow)(engine *e, thread_work *mine, LANE(location) at,
   m.ex = LANE(load)(b->ex + at.l);
   m.ey = LANE(load)(b->ey + at.l);
   before = m;
+  const LANE(mask) touching =
+      LANE(contact_touches)(g, &k, was_closed, features) & LANE(has_direction)(g);
+  const LANE(mask) closed = touching & was_closed;
   g->slide = LANE(slide_of)(e, at, kind, g);
   LANE(contact_begin)
-  (g, &k, LANE(surfaces_meet)(g, m.overlap, touching, was_closed, features), LANE(splat)(w->dt),
+  (g, &k, LANE(surfaces_meet)(g, &k, &before, touching, was_closed, features), LANE(splat)(w->dt),
    features, &m);
   LANE(contact_step)
   (g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, features, &m, &out);
@@ -421,7 +421,10 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
   LANE(pair_geometry_at)(d, &g);
   const unsigned all = (1u << LANE_WIDTH) - 1u, closed = (unsigned)flags->closed >> at.l & all;
   LANE(contact_constants) k;
+  LANE(contact_memory) m;
   if (kind & PASS_GENERAL) {
+    LANE(load_memory)(at, paper, &m);
+    LANE(load_more)(LANE(more_of)(w, at), at.l, features, slides_at(flags, at.l), &m);
     k = LANE(constants_for)(w, at, kind, features);
     LANE(turning)(w, at, features, d, &g);
   }
@@ -430,8 +433,7 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
                                   : LANE(greater)(g.reach, LANE(splat)(0.0));
   LANE(mask) rare = LANE(contact_is_deep)(&g, constants->limit);
   if (kind & PASS_GENERAL && features & LAW_COHESION)
-    rare = rare | LANE(surfaces_meet)(&g, LANE(load)(at.b->overlap + at.l), touching,
-                                      LANE(mask_of)(closed), features);
+    rare = rare | LANE(surfaces_meet)(&g, &k, &m, touching, LANE(mask_of)(closed), features);
   if (__builtin_expect(LANE(bits_of)(touching) != closed || LANE(any)(rare), 0)) {
     LANE(contact_evaluate_slow)(e, mine, at, &g, kind);
     LANE(distance)(w, next, kind, d);
@@ -440,11 +442,8 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
   if (!(kind & PASS_GENERAL))
     k = kind & (PASS_MIXED | PASS_LAWS) ? LANE(constants_for)(w, at, kind, features)
                                         : constants->law;
-  LANE(contact_memory) m;
   LANE(contact_output) out;
-  LANE(load_memory)(at, paper, &m);
-  if (kind & PASS_GENERAL)
-    LANE(load_more)(LANE(more_of)(w, at), at.l, features, slides_at(flags, at.l), &m);
+  if (!(kind & PASS_GENERAL)) LANE(load_memory)(at, paper, &m);
   LANE(contact_history)(&g, &k, touching, touching, paper, features, &m, &out);
   LANE(store_memory)(at, paper, &m, &out);
   if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, &m, &out);

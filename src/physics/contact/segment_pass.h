@@ -253,13 +253,6 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   unsigned slides = 0;
   for (size_t l = 0; l < LANE_WIDTH; l++)
     slides |= (pairs_slide_sign(&w->pairs, at + l) != 0 ? 1u : 0u) << l;
-  const LANE(mask) touching =
-      LANE(contact_touches)(&g, &k, was_closed, features) & active & LANE(has_direction)(&g);
-  const LANE(mask) closed = touching & was_closed;
-  /* On walls the tangential force always derives from the tangential energy, since the paper's
-   * variant is not defined for walls. */
-  const LANE(real) lever = LANE(load)(found.flat);
-  const LANE(mask) flat = LANE(greater)(lever, LANE(splat)(0.0));
   LANE(contact_memory) m, before;
   LANE(contact_output) out;
   LANE(load_memory)(here, 0, &m);
@@ -267,7 +260,14 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   m.ex = in.ex;
   m.ey = in.ey;
   before = m;
-  const LANE(mask) meet = LANE(surfaces_meet)(&g, m.overlap, touching, was_closed, features);
+  const LANE(mask) touching =
+      LANE(contact_touches)(&g, &k, was_closed, features) & active & LANE(has_direction)(&g);
+  const LANE(mask) closed = touching & was_closed;
+  /* On walls the tangential force always derives from the tangential energy, since the paper's
+   * variant is not defined for walls. */
+  const LANE(real) lever = LANE(load)(found.flat);
+  const LANE(mask) flat = LANE(greater)(lever, LANE(splat)(0.0));
+  const LANE(mask) meet = LANE(surfaces_meet)(&g, &k, &before, touching, was_closed, features);
   if (LANE(any)(meet)) {
     g.slide = LANE(slide_on_walls)(e, at, &in, &found);
     LANE(contact_begin)(&g, &k, meet, LANE(splat)(w->dt), features, &m);

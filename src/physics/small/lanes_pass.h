@@ -242,7 +242,7 @@ LANE_INLINE void PASS(evaluate_slow)(const lanes *l, const PASS(shape) * s,
   *m = *before;
   PASS(slide)(l, s, f, at, k);
   LANE(contact_begin)
-  (g, &c, LANE(surfaces_meet)(g, m->overlap, touching, was_closed, s->features), dt, s->features,
+  (g, &c, LANE(surfaces_meet)(g, &c, before, touching, was_closed, s->features), dt, s->features,
    m);
   PASS(contact)(l, s, f, k, &c, touching, closed);
   size_t a = s->n_free == 1 ? 0 : l->a[k], b = s->n_free == 1 ? k + 1 : l->b[k];
@@ -274,7 +274,7 @@ LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step
   f->rare[k] = PASS(rare)(l, f, k, was_closed);
   LANE(mask) rare = f->rare[k];
   if (s->features & LAW_COHESION)
-    rare = rare | LANE(surfaces_meet)(g, before.overlap, touching, was_closed, s->features);
+    rare = rare | LANE(surfaces_meet)(g, &c, &before, touching, was_closed, s->features);
   if (__builtin_expect(LANE(any)(rare), 0))
     PASS(evaluate_slow)(l, s, f, at, k, was_closed, &before);
   if (PASS(is_straight)(l, k)) f->side[k] = LANE(mask_zero)(f->closed[k], f->side[k]);
