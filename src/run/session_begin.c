@@ -11,10 +11,10 @@
 #include "base/comm.h"
 #include "base/memory.h"
 #include "base/text.h"
+#include "io/deck/deck.h"
 #include "io/results/merge.h"
 #include "io/store/file.h"
 #include "model/rows.h"
-#include "run/deck_diff.h"
 #include "run/steps.h"
 #include "run/session_private.h"
 #include "run/simulation_private.h"
@@ -26,17 +26,38 @@ static bool is_result(const char *identity) {
   return strlen(identity) == 32 && strspn(identity, "0123456789abcdef") == 32;
 }
 
+/* Differences between two decks: the first MOST_TOLD as text, and the number of all. */
+enum { MOST_TOLD = 20 };
+typedef struct deck_differences {
+  size_t n;
+  char *text[MOST_TOLD];
+} deck_differences;
+
+static void keep_difference(void *user, const char *path, const char *there, const char *here) {
+  deck_differences *d = user;
+  if (d->n < MOST_TOLD) d->text[d->n] = deck_difference_text(path, there, here);
+  d->n++;
+}
+
 /* Checks that the deck stored in a checkpoint or result is the deck of this session. what: "an
  * unfinished run". */
 static sd_status check_deck(const session *s, const provenance *origin, const char *what,
                             sd_messages *messages) {
-  const char *full = sd_model_deck(s->model)->full;
-  if (deck_same(origin->deck_full, full)) return SD_OK;
-  sd_fail(messages, SD_ERROR_USER,
-          "%s is %s of another deck (started %s); --force starts over, -o writes elsewhere",
-          s->result, what, origin->started);
-  deck_diff(origin->deck_full, full, messages);
-  return SD_ERROR_USER;
+  const char *there = origin->deck_full, *here = sd_model_deck(s->model)->full;
+  if (strcmp(there, here) == 0) return SD_OK;
+  deck_differences found = {0};
+  const bool comparable = deck_compare(there, here, false, keep_difference, &found);
+  const sd_status status = comparable && found.n == 0 ? SD_OK : SD_ERROR_USER;
+  if (status != SD_OK)
+    sd_fail(messages, status,
+            "%s is %s of another deck (started %s); --force starts over, -o writes elsewhere",
+            s->result, what, origin->started);
+  for (size_t k = 0; k < found.n && k < MOST_TOLD; k++) {
+    sd_fail(messages, status, "%s", found.text[k]);
+    free(found.text[k]);
+  }
+  if (found.n > MOST_TOLD) sd_fail(messages, status, "... and %zu more keys", found.n - MOST_TOLD);
+  return status;
 }
 
 /* Checks that the files which the deck names are those of the run that is stored. */

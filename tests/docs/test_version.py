@@ -1,4 +1,5 @@
 """The version stands in include/slipdisk/version.h; program, library, changelog and citation say the same, with the same day."""
+import json
 import os
 import pathlib
 import re
@@ -46,6 +47,22 @@ class Version(unittest.TestCase):
         self.assertEqual(re.findall(r"^date-released: (\S+)", text, re.M), [DAY])
         for key in ("cff-version: 1.2.0", "title:", "abstract:", "authors:", "license: MIT", "references:"):
             self.assertRegex(text, rf"(?m)^{key}")
+
+    def test_what_archives_read(self):
+        codemeta = json.loads((ROOT / "codemeta.json").read_text())
+        self.assertEqual((codemeta["version"], codemeta["license"]), (VERSION, "https://spdx.org/licenses/MIT"))
+        self.assertEqual(json.loads((ROOT / ".zenodo.json").read_text())["license"], "MIT")
+
+    def test_workflows(self):
+        """Those of a public forge: YAML, and each step that runs one of our scripts finds it."""
+        import yaml
+        scripts = []
+        for path in sorted((ROOT / ".github/workflows").glob("*.yml")):
+            steps = [step for job in yaml.safe_load(path.read_text())["jobs"].values() for step in job["steps"]]
+            self.assertTrue(all(("run" in step) != ("uses" in step) for step in steps), path)
+            scripts += [word for step in steps for word in re.findall(r"(?:\./)?(tools/\S+\.sh)", step.get("run", ""))]
+        self.assertEqual([name for name in scripts if not os.access(ROOT / name, os.X_OK)], [])
+        self.assertGreater(len(scripts), 2)
 
     def test_packages(self):
         """Recipes of conda and Spack: the version, and what this machine can check of their syntax."""

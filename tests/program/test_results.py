@@ -382,8 +382,8 @@ class Stopped(Started):
         self.run_ok("run", deck, "-o", self.result)
         before = self.result.read_bytes()
         for words, told in (((), ["is finished already; --force"]), (("-D", "checkpoint=7"), ["is finished already; --force"]),
-                            (("-D", "seed=2"), ["is the result of another deck", "this deck has: seed = 2"]),
-                            (("-D", "steps=20"), ["is the result of another deck", "it has: { steps = 10"])):
+                            (("-D", "seed=2"), ["is the result of another deck", "seed: 1 there, 2 here"]),
+                            (("-D", "steps=20"), ["is the result of another deck", "phases[0].steps: 10 there, 20 here"])):
             status, _, err = run("run", deck, *words, "-o", self.result)
             self.assertEqual(status, 2, words)
             for text in told:

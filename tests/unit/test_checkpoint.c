@@ -20,7 +20,6 @@
 #include "io/store/file.h"
 #include "io/store/folder.h"
 #include "model/model.h"
-#include "run/deck_diff.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
 
@@ -328,31 +327,15 @@ static void test_tables(void **unused) {
   sd_messages_free(messages);
 }
 
-static void test_deck_diff(void **unused) {
-  (void)unused;
-  sd_messages *messages = sd_messages_new();
-  deck_diff("a = 1;\nb = 2;\nc = 3;\n", "a = 1;\nb = 5;\nc = 3;\nd = 4;\n", messages);
-  assert_int_equal(sd_messages_errors(messages), 3);
-  assert_non_null(strstr(sd_messages_text(messages, 0), "b = 2;"));
-  assert_non_null(strstr(sd_messages_text(messages, 1), "b = 5;"));
-  assert_non_null(strstr(sd_messages_text(messages, 2), "d = 4;"));
-  sd_messages_free(messages);
-  messages = sd_messages_new();
-  deck_diff("a\n\nb\n", "a\n\nb\n", messages);
-  deck_diff("", "", messages);
-  assert_int_equal(sd_messages_count(messages), 0);
-  deck_diff("", "a\n", messages);
-  deck_diff("\n\na", "", messages);
-  assert_true(sd_messages_errors(messages) >= 2);
-  sd_messages_free(messages);
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_every_deck),      cmocka_unit_test(test_reading_is_free),
-      cmocka_unit_test(test_damage_is_found), cmocka_unit_test(test_errors_are_told_once),
-      cmocka_unit_test(test_h5_round_trip),   cmocka_unit_test(test_tables),
-      cmocka_unit_test(test_deck_diff),       cmocka_unit_test(test_other_formats_are_refused),
+      cmocka_unit_test(test_every_deck),
+      cmocka_unit_test(test_reading_is_free),
+      cmocka_unit_test(test_damage_is_found),
+      cmocka_unit_test(test_errors_are_told_once),
+      cmocka_unit_test(test_h5_round_trip),
+      cmocka_unit_test(test_tables),
+      cmocka_unit_test(test_other_formats_are_refused),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Tags the last commit with the version of include/slipdisk/version.h: v0.6.0. Before that: a new version and day there, in
-# docs/changelog.md and CITATION.cff, which tests/docs/test_version.py compares; commit; all tests.
+# docs/changelog.md, CITATION.cff and codemeta.json, which tests/docs/test_version.py compares; commit; all tests.
 #   tools/packaging/tag.sh            makes the tag; git push origin vVERSION publishes it
 set -euo pipefail
 case "${1:-}" in

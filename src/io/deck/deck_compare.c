@@ -7,6 +7,8 @@
  * key. */
 #include <string.h>
 
+#include "base/memory.h"
+#include "base/text.h"
 #include "io/deck/deck.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_tree.h"
@@ -150,4 +152,11 @@ bool deck_compare(const char *there, const char *here, bool any_title, deck_diff
                   void *user) {
   comparison c = {.here = here, .any_title = any_title, .tell = tell, .user = user};
   return deck_open(there, "that deck", 0, NULL, with_one, &c, NULL) == SD_OK;
+}
+
+char *deck_difference_text(const char *path, const char *there, const char *here) {
+  if (!there && !here) return memory_text(path);
+  if (!there) return format_text("%s: not there, %s here", path, here);
+  if (!here) return format_text("%s: %s there, not here", path, there);
+  return format_text("%s: %s there, %s here", path, there, here);
 }
