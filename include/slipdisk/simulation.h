@@ -297,6 +297,10 @@ SD_API sd_status sd_simulation_load_memory(const void *data, size_t size, int th
  * builds them anew. Later steps give the same results as without this call, bit for bit. */
 SD_API sd_status sd_simulation_rebuild(sd_simulation *simulation, sd_messages *messages);
 
+/* Returns the size in bytes of a struct that the library and its callers share, by its name such
+ * as "sd_energy", for programs in other languages that declare it themselves; 0: unknown name. */
+SD_API size_t sd_struct_size(const char *name);
+
 #ifdef __cplusplus
 }
 #endif

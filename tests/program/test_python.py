@@ -10,6 +10,7 @@ import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 import warnings
 
 import numpy as np
@@ -64,6 +65,19 @@ class Building(unittest.TestCase):
             for name in set(lib.DISK.names) - {"group"}:  # which the library sets
                 np.testing.assert_array_equal(found[name], rows[k][name], name)
         library.sd_model_free(model)
+
+    def test_a_library_with_other_structs_is_refused(self):
+        class Other(ctypes.Structure):
+            _fields_ = [("kinetic", ctypes.c_double)]
+
+        with unittest.mock.patch.dict(lib.SHARED, sd_energy=Other), self.assertRaisesRegex(slipdisk.FileError, "other structs .*: sd_energy$"):
+            lib.load()
+
+    def test_names(self):
+        """What dir() lists is there, and is no name that the package only uses."""
+        self.assertFalse({"Any", "TYPE_CHECKING", "annotations", "ctypes"} & set(dir(slipdisk)))
+        for name in slipdisk.__all__:
+            getattr(slipdisk, name)
 
     def test_dict_is_deck(self):
         """A dict, a deck with overrides, and the deck that a simulation prints: the same bits."""

@@ -51,6 +51,10 @@ def _attribute(name: str) -> Any:
     return importlib.import_module(f"slipdisk.{name}")
 
 
+def __dir__() -> list[str]:
+    return sorted([*__all__, "film", "plot"])
+
+
 if not TYPE_CHECKING:  # type checkers know the names above, and no others
     __getattr__ = _attribute
 

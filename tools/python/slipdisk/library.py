@@ -247,12 +247,17 @@ class ForceColumns(Structure):
                     "group", "activity", "force_x", "force_y", "torque"))]
 
 
+SHARED = {"sd_field": Field, "sd_deck": Deck, "sd_energy": Energy, "sd_stage": Stage, "sd_goal": Goal, "sd_rotation": Rotation,
+          "sd_slide": Slide, "sd_configuration": Configuration, "sd_disk_mean": DiskMean, "sd_mean": Mean,
+          "sd_quantity": Quantity, "sd_measurement": Measured, "sd_force_columns": ForceColumns}
+
 OBSERVER = ctypes.CFUNCTYPE(c_int, c_void_p, c_void_p)
 FORCE_FIELD = ctypes.CFUNCTYPE(None, c_void_p, c_void_p)
 TEXTS, OUT = POINTER(c_char_p), POINTER(c_void_p)
 
 FUNCTIONS = {
     "sd_version": (c_char_p,),
+    "sd_struct_size": (c_size_t, c_char_p),
     "sd_on_no_memory": (None, c_void_p),
     "sd_free": (None, c_void_p),
     "sd_messages_new": (c_void_p,),
@@ -326,6 +331,10 @@ def load():
     for name, (result, *arguments) in FUNCTIONS.items():
         function = getattr(found, name)
         function.restype, function.argtypes = result, arguments
+    sizes = {**{name: ctypes.sizeof(struct) for name, struct in SHARED.items()}, "sd_disk": DISK.itemsize}
+    others = [name for name, size in sizes.items() if found.sd_struct_size(name.encode()) != size]
+    if others:
+        raise FileError(f"{path}: this library is {found.sd_version().decode()}, and has other structs than the package: {', '.join(others)}")
     count = c_size_t.in_dll(found, "sd_field_count").value
     found.fields = {field.name.decode(): field for field in (Field * count).in_dll(found, "sd_fields")}
     with contextlib.suppress(FileError):  # without it the library reads files of others at once
