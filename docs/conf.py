@@ -33,7 +33,7 @@ release = version = re.search(r'SD_VERSION "([^"]*)"', (ROOT / "include/slipdisk
 language = "en"
 
 extensions = ["myst_parser", "breathe", "sphinx.ext.autodoc", "sphinx_copybutton"]
-exclude_patterns = ["figures", "studies/figures"]
+exclude_patterns = ["figures", "studies/figures", "paper"]
 default_role = "code"  # `x` in a docstring
 highlight_language = "none"  # a block without a language is a deck or what a program prints
 suppress_warnings = ["myst.header"]  # pages may leave out a level of headings
