@@ -26,6 +26,7 @@ struct ensemble {
   lanes *lanes;
   size_t n_together;
   engine *together[LANES_MOST];
+  int64_t rebuilt; /* sum over these of how often they were rebuilt before */
 };
 
 size_t ensemble_width(void) { return kernels_choose()->lane_width; }
@@ -79,11 +80,15 @@ static size_t find_together(const ensemble *e, const share *shares, size_t first
 }
 
 /* Returns SIMD lanes with these systems; makes new ones unless the present ones have the same
- * systems. */
+ * systems, with the same constants. */
 static lanes *lanes_for(ensemble *e, size_t n, engine *const *systems) {
-  if (e->lanes && e->n_together == n && memcmp(e->together, systems, n * sizeof(engine *)) == 0)
+  int64_t rebuilt = 0;
+  for (size_t k = 0; k < n; k++) rebuilt += systems[k]->rebuilt;
+  if (e->lanes && e->n_together == n && e->rebuilt == rebuilt &&
+      memcmp(e->together, systems, n * sizeof(engine *)) == 0)
     return e->lanes;
   lanes_free(e->lanes);
+  e->rebuilt = rebuilt;
   e->n_together = n;
   memcpy(e->together, systems, n * sizeof(engine *));
   e->lanes = lanes_new(false, n, systems);

@@ -41,6 +41,7 @@ void loop_release(engine *e) {
 
 sd_status loop_rebuild(engine *e, bool small, sd_messages *messages) {
   const int threads = engine_threads(e);
+  e->rebuilt++;
   loop_release(e);
   sd_status status = loop_build(e, small, threads, messages);
   if (status == SD_OK)

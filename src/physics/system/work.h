@@ -459,6 +459,7 @@ struct engine {
   struct ranks *ranks;
   /* pool of at most work.n_threads threads, not owned; NULL: one thread does all the work */
   pool *pool;
+  int64_t rebuilt; /* number of times that `work` was made anew, as after a change of constants */
   work work;
 };
 
