@@ -1,28 +1,27 @@
 """Every feature of decks in every way to run (tools/relations/crossing.py): the bits of the plainest way, or said that it is left. What the
 decks of the generator never set is listed here with its reason."""
 import os
+import re
 import subprocess
 import unittest
 
-from package import BUILD
+from package import BUILD, ROOT
 
 from relations import crossing
 
 PER_FEATURE = 4 if os.environ.get("CI") == "true" else 2  # decks
 
 # Read or written, or only names: nothing of the motion depends on them.
-NOT_MOTION = {"deck:title", "deck:checkpoint", "deck:output", "deck:sweep", "deck:constants", "phases:name", "phases:frames",
-              "phases:contacts", "materials:name", "limits:open", "limits:unstable_step", "limits:residual"}
+NOT_MOTION = {"deck:title", "deck:sweep", "deck:constants", "phases:name", "materials:name", "limits:open", "limits:unstable_step", "limits:residual"}
 # Another way to say what another key says.
 SAME_AS = {"deck:steps": "phases", "deck:time": "phases", "phases:time": "steps", "disks:mass": "density", "packings:mass": "density",
            "until:error": "relative", "until:observable": "the first watched disk", "motions:phase": "a wave", "motions:periodic": "a table",
-           "motions:length": "pressure", "limits:displacement": "the decks of test_displacement"}
+           "motions:length": "pressure"}
 # Files beside the deck: test_disk_files, test_files_in_parts, test_box_from_files.
 FILES = {"deck:disk_files", "box:file", "box:timestep", "motions:file", "motions:columns"}
 # Only speed (skin, tiles of packings), or what the run refuses (max_overlap).
 ELSEWHERE = {"deck:skin": "test_neighbours", "deck:max_overlap": "test_ranks", "packings:tiles": "test_tiles", "packings:radii": "sizes list",
-             "packings:gap": "test_generators", "packings:spacing": "test_generators", "measure:walls": "test_series_resultants",
-             "measure:box": "test_series_resultants", "measure:stress": "test_series_resultants"}
+             "packings:gap": "test_generators", "packings:spacing": "test_generators"}
 
 
 def keys_of_the_program():
@@ -72,9 +71,14 @@ class Crossing(unittest.TestCase):
             seen |= keys_of(crossing.make(seed).deck)
         known = keys_of_the_program()
         excused = NOT_MOTION | FILES | set(SAME_AS) | set(ELSEWHERE)
-        groups = {"output", "sweep", "disk_files", "material_pairs"}
+        groups = {"sweep", "disk_files", "material_pairs"}
         self.assertEqual(sorted(k for k in known - seen - excused if k.split(":")[0] not in groups), [])
         self.assertEqual(sorted((NOT_MOTION | FILES | set(SAME_AS) | set(ELSEWHERE)) - known), [], "no longer keys of the program")
+
+    def test_the_generator_sets_every_quantity_that_a_program_can_set(self):
+        text = (ROOT / "src/run/simulation_steer.c").read_text()
+        seen = {call.split()[2] for seed in range(12 * len(crossing.FEATURES)) for call in crossing.make(seed).calls if " set " in call}
+        self.assertEqual(seen, set(re.findall(r'\{"([\w.]+)", STEER_', text)))
 
     def test_the_same_number_gives_the_same_deck(self):
         self.assertEqual(crossing.make(17).deck, crossing.make(17).deck)

@@ -1,4 +1,5 @@
-"""Decks at random over all pairs of features: rows of a table per dimension, of which each deck takes one.
+"""Decks at random over all pairs of features: rows of a table per dimension, of which each deck takes one. Rows of added.py change a deck
+that is made, and say which rows it may have.
 
 A deck is a dict with the structure of a deck. The same number gives the same deck, so that any trial can be repeated alone."""
 import dataclasses
@@ -9,6 +10,7 @@ DT = 5e-5           # about 80 steps per contact
 SPACING = 0.1       # of the lattice on which disks start
 WALL = 0.002        # walls stand so far from the disks, or overlap them by half as much
 FEATURES = {}       # dimension: {name: function that adds it}
+ONLY = {}           # (dimension, name): {dimension: rows that a deck with this row may have}, of added rows
 LAST = None         # the deck that was made last, for those who report
 
 
@@ -23,6 +25,12 @@ def feature(dimension, name):
     return keep
 
 
+def added(dimension, name, **only):
+    """A row that changes a finished deck: function(random, deck)."""
+    ONLY[dimension, name] = only
+    return feature(dimension, name)
+
+
 def plain(dimension, *names):
     """Rows that add nothing of their own."""
     for name in names:
@@ -34,6 +42,7 @@ class Builder:
     """A deck that is being made. Disks, walls, motions and fields are lists of dicts."""
     random: random.Random
     has: dict = dataclasses.field(default_factory=dict)       # dimension: row
+    allowed: dict = dataclasses.field(default_factory=dict)   # dimension: rows
     disks: list = dataclasses.field(default_factory=list)
     walls: list = dataclasses.field(default_factory=list)
     materials: list = dataclasses.field(default_factory=list)
@@ -163,22 +172,28 @@ for dimension, rows in LAWS.items():
     plain(dimension, *rows)
 
 
-def law(b):
+def law(b, kinds=None):
     keys = {}
     for dimension, rows in LAWS.items():
-        keys.update(rows[b.has[dimension]](b))
+        keys.update(rows[(kinds or b.has)[dimension]](b))
     return keys
 
 
-plain("materials", "one", "two")
+plain("materials", "one", "two", "of other laws")
 
 
 def materials(b):
     b.materials.append({"name": "grain", **law(b)})
     if b.has["materials"] == "one":
         return
-    b.materials.append({"name": "steel", **law(b)})
-    b.top["material_pairs"] = [{"materials": ["grain", "steel"], **law(b)}]
+
+    def more():
+        if b.has["materials"] == "two":
+            return law(b)
+        kinds = {d: b.random.choice([name for name in rows if name in b.allowed[d]]) for d, rows in LAWS.items()}
+        return law(b, kinds)
+    b.materials.append({"name": "steel", **more()})
+    b.top["material_pairs"] = [{"materials": ["grain", "steel"], **more()}]
     for body in b.disks + b.walls:
         body["material"] = b.random.choice(("grain", "steel"))
 
@@ -349,7 +364,12 @@ def spin(b):
 def wave(b):
     kind = b.random.choice(("harmonic", "parabolic", "triangle", "square"))
     more = {"rise": 0.6} if kind == "square" else {}
-    b.move(b.random.choice(("x", "y", "theta")), kind, amplitude=b.sign() * b.near(2e-3), frequency=b.near(50.0), **more)
+    if b.random.random() < 0.5:
+        more.update(ramp=b.near(5e-3), phase=b.random.uniform(0, 3))
+    target, coordinate = b.target(), b.random.choice(("x", "y", "theta"))
+    b.move(coordinate, kind, target, amplitude=b.sign() * b.near(2e-3), frequency=b.near(50.0), **more)
+    if b.random.random() < 0.3:  # two move one coordinate
+        b.move(coordinate, "harmonic", target, amplitude=b.sign() * b.near(1e-3), omega=b.near(400.0))
 
 
 @feature("motion", "belt")
@@ -367,7 +387,10 @@ def table(b):
 
 @feature("motion", "random")
 def shaken(b):
-    b.move(b.random.choice(("x", "y")), "random", amplitude=b.near(3e-4), frequency=b.near(40.0), ramp=2e-3)
+    more = {"interval": b.random.choice((3, 10))} if b.random.random() < 0.5 else {}
+    target = b.target()
+    for coordinate in b.random.choice(("x", "y", "xy")):
+        b.move(coordinate, "random", target, amplitude=b.near(3e-4), frequency=b.near(40.0), ramp=2e-3, **more)
 
 
 @feature("motion", "switched")
@@ -446,6 +469,10 @@ class Deck:
     has: dict     # dimension: row
     deck: dict
     steps: int
+    calls: list   # of the library, as tests/crossing/ways.c reads them
+
+    def text(self, deck_text):
+        return "".join(f"# at {call}\n" for call in self.calls) + deck_text(self.deck)
 
     def pairs(self):
         """All pairs of its features."""
@@ -456,6 +483,7 @@ class Deck:
 def choose(b, dimension, allowed):
     """A row at random of those that suit."""
     names = [name for name in FEATURES[dimension] if name in allowed]
+    b.allowed[dimension] = allowed
     b.random.shuffle(names)
     for name in names:
         b.has[dimension] = name
@@ -464,15 +492,41 @@ def choose(b, dimension, allowed):
             return
         except Unsuitable:
             continue
-    raise ValueError(f"no {dimension} suits")
+    raise Unsuitable
 
 
-def make(seed, only=None, shape=(3, 3)):
-    """The deck of a number. only: {dimension: rows} that are allowed, all where it is silent. shape: columns and rows of disks."""
-    b = Builder(random.Random(f"deck-{seed}"), shape=shape)
+def joined(one, two):
+    """{dimension: rows} that both allow, or None."""
+    both = dict(one)
+    for dimension, rows in two.items():
+        both[dimension] = tuple(row for row in both.get(dimension, FEATURES[dimension]) if row in rows)
+        if not both[dimension]:
+            return None
+    return both
+
+
+def choose_added(r, only):
+    """({dimension: row} of the added dimensions that are named, {dimension: rows} that these allow)"""
+    has = {}
+    dimensions = [name for name in only if name not in ORDER]
+    r.shuffle(dimensions)
+    for dimension in sorted(dimensions, key=lambda name: len(only[name]) > 1 or "none" in only[name]):  # what must be there comes first
+        rows = list(only[dimension])
+        r.shuffle(rows)
+        both = None
+        while both is None and rows:
+            has[dimension] = rows.pop()
+            both = joined(only, ONLY[dimension, has[dimension]])
+        if both is None:
+            raise Unsuitable
+        only = both
+    return has, only
+
+
+def plain_deck(b, seed, only):
     lattice(b)
     for dimension in ORDER:
-        choose(b, dimension, (only or {}).get(dimension, FEATURES[dimension]))
+        choose(b, dimension, only.get(dimension, FEATURES[dimension]))
     materials(b)
     periodic(b)
     deck = {"dt": DT, "integrator": b.has["integrator"], "contact_variant": b.has["variant"], "seed": 1 + hash_of(seed),
@@ -482,9 +536,34 @@ def make(seed, only=None, shape=(3, 3)):
             deck[name] = getattr(b, name)
     deck["phases"] = b.phases or [{"steps": b.steps}]
     deck["limits"] = {"residual": 0.0, "displacement": 0.0}
+    return deck
+
+
+def attempt(seed, number, only, shape):
+    b = Builder(random.Random(f"deck-{seed}-{number}" if number else f"deck-{seed}"), shape=shape)
+    has, allowed = choose_added(b.random, only)
+    deck = plain_deck(b, seed, allowed)
+    for dimension in FEATURES:
+        if dimension not in has:
+            continue
+        if dimension not in ("phases", "measure") and len(deck["phases"]) > 1 and "none" in only[dimension]:
+            has[dimension] = "none"
+        FEATURES[dimension][has[dimension]](b.random, deck)
+    calls = deck.pop("calls", [])
+    return Deck({**b.has, **has}, deck, b.steps, calls)
+
+
+def make(seed, only=None, shape=(3, 3)):
+    """The deck of a number. only: {dimension: rows} that are allowed. Where it is silent, all are allowed of bodies, laws, walls, motions, and
+    no row is added. shape: columns and rows of disks."""
     global LAST
-    LAST = Deck(b.has, deck, b.steps)
-    return LAST
+    for number in range(50):
+        try:
+            LAST = attempt(seed, number, only or {}, shape)
+            return LAST
+        except (Unsuitable, ValueError, IndexError):
+            continue
+    raise ValueError(f"no deck suits {only}")
 
 
 def hash_of(seed):

@@ -10,7 +10,7 @@ import tempfile
 import h5py
 import numpy as np
 
-from . import decks, symmetries, watch
+from . import added, decks, symmetries, watch
 
 WRITTEN = 1e-9    # of a force of 1: rounding of tables
 GEAR = 1e-4       # directions of stored positions, forces of predicted ones
@@ -101,21 +101,42 @@ def written(seed):
                      [force[members[int(g[-1])], c].sum() for g in order], most)
 
 
-# --- restarts ---------------------------------------------------------------------------------------------------------
-
-
-def bits(seed):
-    """Saved in the middle and loaded again, copied, in bytes: the same bits as without."""
-    deck = decks.make(seed).deck
+def stress(seed):
+    """A sigma = sum X F over the bodies + sum of the walls' places times the forces on them, at any moment."""
+    made = decks.make(seed, {"walls": ("box",), "box": ("open",), "friction": ("smooth",), "rolling": ("none",), "motion": ("none",),
+                             "integrator": ("verlet",), **without("bodies", "held")})
+    deck, (x0, y0, x1, y1) = made.deck, added.in_container(made.deck)
+    deck["phases"] = [{"steps": 40}]
+    deck["output"] = {"series": 1}
+    deck["measure"] = {"walls": True, "stress": True}
     sim = watch.simulation(deck)
-    watch.advance(sim, 100 + seed % 50)
     with folder() as work:
-        sim.save(work / "s.h5")
-        others = [watch.slipdisk.Simulation.load(work / "s.h5"), watch.slipdisk.Simulation.from_bytes(sim.to_bytes()), sim.clone()]
-    for other in sim, *others:
-        watch.advance(other, 130)
-    if len({other.hash() for other in (sim, *others)}) != 1:
-        raise watch.Wrong("the state differs")
+        with h5py.File(run(work, deck)) as file:
+            o = file["observables"]
+            columns = {key: o[key]["value"][:] for key in ("stress_xx", "stress_yy", "wall_force_x", "wall_force_y")}
+            names = o["walls"][()].decode().split()
+    area = (x1 - x0) * (y1 - y0)
+    at = {"floor": (0, y0), "lid": (0, y1), "left": (x0, 0), "right": (x1, 0)}
+    for step in range(41):
+        for c, name in enumerate("xy"):
+            walls = sum(at[wall][c] * columns[f"wall_force_{name}"][step][k] for k, wall in enumerate(names))
+            got = area * columns[f"stress_{name * 2}"][step]
+            near(f"stress_{name * 2}", step, got, walls + moments(sim, deck, name), 1e-9)
+        watch.advance(sim, 1)
+
+
+def moments(sim, deck, name):
+    """Sum X F; bodies are clumps where there are. Held disks do not count: branches end at their surface."""
+    state, columns = sim.disks, sim.columns
+    members = {m for clump in deck.get("clumps", ()) for m in clump["disk"]}
+    single = np.array([d["name"] not in members for d in deck["disks"]])
+    total = float((state[name] * state[f"force_{name}"])[single].sum())
+    if members:
+        total += float((np.array(columns[f"clump_{name}"]) * columns[f"clump_force_{name}"]).sum())
+    return total
+
+
+# --- restarts ---------------------------------------------------------------------------------------------------------
 
 
 def continued(deck, result):

@@ -78,17 +78,22 @@ def coordinate_of(m, name):
 
 def map_motion(m, motion):
     motion["coordinate"], sign = coordinate_of(m, motion["coordinate"])
-    if sign < 0:
+    if sign < 0 and motion["type"] != "fixed":
         key = NEGATED[motion["type"]]  # random ones have no sign
         motion[key] = -motion[key]
 
 
-def map_clump(m, clump):
+def map_held(m, item):
+    """Vectors, numbers about the third axis, names of coordinates: of clumps, forces and locks."""
     for name in "velocity", "force":
-        if name in clump:
-            clump[name] = m.vector(clump[name])
-    if "omega" in clump:
-        clump["omega"] *= m.turn
+        if name in item:
+            item[name] = m.vector(item[name])
+    for name in "omega", "torque":
+        if name in item:
+            item[name] *= m.turn
+    for name in "locked", "coordinates":
+        if name in item:
+            item[name] = [coordinate_of(m, c)[0] for c in ([item[name]] if isinstance(item[name], str) else item[name])]
 
 
 def map_field(m, field):
@@ -99,6 +104,20 @@ def map_field(m, field):
     for name in "swirl", "omega", "shear_rate":
         if name in field:
             field[name] *= m.turn
+    if field["type"] == "gravity":
+        map_gravity(m, field)
+
+
+def map_phase(m, phase):
+    """Deforming boxes are mirrored and shifted, not turned."""
+    for name in "rate_xy", "stress_xy":
+        if name in phase.get("cell", {}):
+            phase["cell"][name] *= m.turn
+
+
+def map_container(m, container):
+    """These too."""
+    container["origin"] = m.point(container["origin"])
 
 
 def map_box(m, box):
@@ -109,7 +128,8 @@ def map_box(m, box):
             ends = [sign * e + m.shift["xy".index(to)] for e in box.pop(name)]
             edges[to] = sorted(ends)
     box.update(edges)
-    box["periodic"] = "".join(sorted(edges))
+    if "periodic" in box:
+        box["periodic"] = "".join(sorted(edges))
 
 
 def map_gravity(m, gravity):
@@ -118,8 +138,9 @@ def map_gravity(m, gravity):
     gravity["tilt"] = math.atan2(x, y)
 
 
-LISTS = {"disks": map_disk, "walls": map_wall, "motions": map_motion, "clumps": map_clump, "fields": map_field}
-GROUPS = {"box": map_box, "gravity": map_gravity}
+LISTS = {"disks": map_disk, "walls": map_wall, "motions": map_motion, "clumps": map_held, "fields": map_field, "forces": map_held,
+         "locks": map_held, "phases": map_phase}
+GROUPS = {"box": map_box, "bounds": map_box, "gravity": map_gravity, "container": map_container}
 
 
 def mapped(m, deck):

@@ -14,67 +14,123 @@ def without(dimension, *names):
     return {dimension: [name for name in decks.FEATURES[dimension] if name not in names]}
 
 
-def relate(deck, m, steps=300):
+# Rows of added.py that maps carry; half of the decks have none.
+ADDED = {"phases": tuple(row for row in decks.FEATURES["phases"] if row != "loads in phases"), "bodies later": ("hold and release",), "bounds": ("report",),
+         "also": tuple(name for name in decks.FEATURES["also"] if name not in ("none", "a noisy group"))}
+DEFORMING = "box at rates", "box at stresses", "compress", "compress a box"
+KINDS = ("angle", "spin", "force", "torque", "energy")  # boxes change about their lower left corner, and so do frames
+INNER = [watch.ENERGIES.index(name) for name in watch.ENERGIES if not name.startswith(("kinetic", "work"))]
+
+
+def draw(seed, only=None, **less):
+    """The deck of a number, with rows of added.py but for some: {dimension: rows that are left out}."""
+    rows = {name: [row for row in names if row not in less.get(name, ())] for name, names in ADDED.items()}
+    return decks.make(seed, {**{name: ("none", *names, *["none"] * len(names)) for name, names in rows.items()}, **(only or {})})
+
+
+def in_any_frame(looks, n):
+    """Without what depends on the frame, or on where a wall's pivot is."""
+    for look in looks:
+        look["torque"] = look["torque"][:n]
+        look["energy"] = look["energy"][INNER]
+    return looks
+
+
+def relate(made, m, steps=300):
     """The map of the deck does the map of what the deck does."""
+    deck, kinds, n = made.deck, tuple(watch.SCALES), len(made.deck["disks"])
     one = [watch.mapped_look(m, seen) for seen in watch.follow(deck, steps, EVERY)]
     other = watch.follow(maps.mapped(m, deck), steps, EVERY)
-    watch.same(one, other, NEAR, every=EVERY)
+    if m.turn < 0 and "container" in deck:  # left and right have changed places
+        for look in other:
+            for kind, values in look.items():
+                if kind != "energy":
+                    values[[n + 1, n + 2]] = values[[n + 2, n + 1]]
+    if made.has["phases"] in DEFORMING:
+        one, other, kinds = in_any_frame(one, n), in_any_frame(other, n), KINDS
+    if "container" in deck:  # walls of containers point in directions of their own
+        for look in one + other:
+            look["angle"], look["torque"] = look["angle"][:n], look["torque"][:n]
+    watch.same(one, other, NEAR, kinds, EVERY)
 
 
 def mirror(seed):
     """x -> -x, or y -> -y where x is driven by random numbers, which have no sign."""
-    deck = decks.make(seed).deck
-    driven = [m["coordinate"] for m in deck.get("motions", ()) if m["type"] == "random"]
-    relate(deck, maps.UPSIDE_DOWN if "x" in driven or (seed % 2 and "y" not in driven) else maps.MIRROR)
+    made = draw(seed)
+    driven = [m["coordinate"] for m in made.deck.get("motions", ()) if m["type"] == "random"]
+    upside_down = "x" in driven or (seed % 2 and "y" not in driven and "container" not in made.deck)
+    relate(made, maps.UPSIDE_DOWN if upside_down else maps.MIRROR)
 
 
 def quarter(seed):
-    """A quarter turn. Random streams and a square's corner belong to a coordinate."""
-    relate(decks.make(seed, without("motion", "random")).deck, maps.QUARTER)
+    """A quarter turn. Random streams, a square's corner and shear belong to a coordinate."""
+    relate(draw(seed, without("motion", "random"), phases=DEFORMING, also=("a pressing lid", "fields of a group")),
+           maps.QUARTER)
 
 
 def shift(seed):
     """Everything elsewhere, the box too."""
-    relate(decks.make(seed).deck, maps.shifted(0.375, -1.25))
+    relate(draw(seed), maps.shifted(0.375, -1.25))
 
 
 def images(seed):
-    """Everything elsewhere but the box: what is beyond its edges is taken back."""
-    deck = decks.make(seed, {"box": ("x", "y", "xy"), **without("field", "drag", "central", "rotation"),
-                             **without("walls", "drum", "ring", "bowl", "pillar", "hump")}).deck
+    """Everything elsewhere but the box: what is beyond its edges is taken back. Shear does the same in a frame that moves."""
+    made = draw(seed, {"box": ("x", "y", "xy"), **without("field", "drag", "central", "rotation"),
+                       **without("walls", "drum", "ring", "bowl", "pillar", "hump")},
+                phases=("compress a box", "relax"), bounds=("report",), also=("fields of a group", "a pressing lid"))
+    if any(phase.get("cell", {}).get("boundary") for phase in made.deck["phases"]):
+        raise watch.Refused("only disks that cross an edge take part in its motion")
+    deck, n, looks = made.deck, len(made.deck["disks"]), []
     edges = watch.edges_of(deck)
-    m = maps.shifted(0.53 * edges[0], 0.41 * edges[1])
-    other = maps.mapped(m, deck)
+    other = maps.mapped(maps.shifted(0.53 * edges[0], 0.41 * edges[1]), deck)
     other["box"] = copy.deepcopy(deck["box"])
-    other = maps.into_box(other)
-    n, looks = len(deck["disks"]), []
-    for which in deck, other:
+    for which in deck, maps.into_box(other):
         looks.append(watch.follow(which, 300, EVERY))
         for look in looks[-1]:
             look["torque"] = look["torque"][:n]  # that on a wall is about its pivot, wherever the image
-    watch.same(*looks, NEAR, watch.FREE, EVERY)
+    watch.same(*looks, NEAR, KINDS[:-1] if made.has["phases"] in DEFORMING else watch.FREE, EVERY)
 
 
 def order(seed):
     """Disks in another order, and walls: sums are rounded otherwise."""
-    made = decks.make(seed, without("motion", "random"))
-    deck, n, walls = made.deck, len(made.deck["disks"]), len(made.deck.get("walls", ()))
+    deck = draw(seed, without("motion", "random")).deck
+    n, walls = len(deck["disks"]), len(deck.get("walls", ()))
     other = copy.deepcopy(deck)
     other["disks"].reverse()
     if walls:
         other["walls"].reverse()
-    back = np.r_[np.arange(n)[::-1], n + np.arange(walls)[::-1]].astype(int)
-    seen = watch.follow(deck, 300, EVERY)
     found = watch.follow(other, 300, EVERY)
-    watch.same(seen, [{kind: v if kind == "energy" else v[back] for kind, v in look.items()} for look in found], NEAR, every=EVERY)
+    for look in found:
+        for kind, values in look.items():
+            if kind != "energy":
+                look[kind] = np.concatenate([values[:n][::-1], values[n:n + walls][::-1], values[n + walls:]])
+    watch.same(watch.follow(deck, 300, EVERY), found, NEAR, every=EVERY)
 
 
 def phases(seed):
-    """A phase in three parts: the same bits."""
-    deck = decks.make(seed, without("motion", "switched")).deck
+    """Phases in parts, but for those that end at a goal: the same bits."""
+    deck = draw(seed, without("motion", "switched"), phases=("until",)).deck
     other = copy.deepcopy(deck)
-    other["phases"] = [{"steps": 100}, {"steps": 77}, {"steps": 123}]
+    other["phases"] = []
+    for phase in deck["phases"]:
+        goal = {"settle", "compress"} & set(phase)
+        parts = [{**phase, "steps": steps} for steps in ([phase["steps"]] if goal else (33, 29, phase["steps"] - 62))]
+        for part in parts[1:]:  # forces are evaluated anew where disks are held and released
+            part.pop("hold", None), part.pop("release", None)
+        other["phases"] += parts
     watch.same(watch.follow(deck, 300, EVERY), watch.follow(other, 300, EVERY), 0.0, every=EVERY)
+
+
+def rain(seed):
+    """Rain elsewhere falls in the same way."""
+    deck = decks.make(seed, {"bodies later": ("rain",), "materials": ("one",)}).deck
+    n, steps = len(deck["disks"]) + deck["packings"][0]["count"], 800
+    deck["phases"] = [{"steps": steps}]
+    deck["packings"][0]["y"] = [deck["container"]["origin"][1] + y for y in (0.003, deck["container"]["height"])]  # clear of the floor
+    other = maps.mapped(maps.shifted(1.0, 2.0), deck)
+    other["packings"][0]["y"] = [y + 2.0 for y in deck["packings"][0]["y"]]
+    looks = [in_any_frame(watch.follow(which, steps, 100), n) for which in (deck, other)]
+    watch.same(*looks, 10 * NEAR, KINDS, 100)
 
 
 # --- features of size zero --------------------------------------------------------------------------------------------
@@ -97,10 +153,10 @@ ATTRACTIONS = {
 }
 
 
-def zero(seed, cases=None, kinds=tuple(watch.SCALES)):
-    """Parts of a law that are zero, or all but zero, and no such parts."""
+def zero(seed, cases=None, kinds=tuple(watch.SCALES), unsuited=()):
+    """Parts of a law that are zero, or all but zero, and no such parts. Servos take means over the shortest period of all springs."""
     only, keys = list((cases or ZEROS).values())[seed % len(cases or ZEROS)]
-    deck = decks.make(seed, only).deck
+    deck = draw(seed, {**only, **without("motion", "servo")}, also=("moduli", "a pressing lid"), phases=unsuited).deck
     other = copy.deepcopy(deck)
     for law in other["materials"] + other.get("material_pairs", []):
         law.update({key: law[value] if isinstance(value, str) and value in law else value for key, value in keys.items()})
@@ -110,7 +166,7 @@ def zero(seed, cases=None, kinds=tuple(watch.SCALES)):
 def attraction(seed):
     """All but no attraction, and none: touch of pairs that are closed before is touch. Their losses differ by an order of dt, since the
     way of the step of touch is known where there was a contact before."""
-    zero(seed, ATTRACTIONS, [kind for kind in watch.SCALES if kind != "energy"])
+    zero(seed, ATTRACTIONS, [kind for kind in watch.SCALES if kind != "energy"], ("relax", "settle", *DEFORMING))
 
 
 def idle(seed):
@@ -142,7 +198,6 @@ def idle(seed):
 # --- another frame, backwards -----------------------------------------------------------------------------------------
 
 BOOST = np.array([0.71, -0.43])
-INNER = [watch.ENERGIES.index(name) for name in watch.ENERGIES if not name.startswith(("kinetic", "work"))]
 
 
 def boosted(deck):

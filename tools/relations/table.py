@@ -2,7 +2,7 @@
 import dataclasses
 import traceback
 
-from . import balance, decks, files, regimes, shapes, symmetries, watch, ways
+from . import balance, decks, files, shapes, symmetries, watch, ways
 
 
 @dataclasses.dataclass
@@ -16,10 +16,9 @@ class Relation:
 
 
 CHEAP = (symmetries.mirror, symmetries.quarter, symmetries.shift, symmetries.images, symmetries.order, symmetries.phases,
-         symmetries.zero, symmetries.attraction, symmetries.idle, symmetries.boost, symmetries.reverse, balance.balance, shapes.straight_walls,
-         shapes.joined_walls, shapes.round_walls, regimes.regime_mirror, regimes.regime_order, regimes.regime_images,
-         regimes.regime_phases, regimes.regime_bits, regimes.rain, files.bits, ways.echo, ways.later, ways.forced, ways.lone, ways.budget, ways.loaded)
-DEAR = (files.written, files.taken_over, files.exported, files.lanes, regimes.stress)  # they run the program
+         symmetries.zero, symmetries.attraction, symmetries.idle, symmetries.boost, symmetries.reverse, symmetries.rain, balance.balance,
+         shapes.straight_walls, shapes.joined_walls, shapes.round_walls, ways.later, ways.forced, ways.lone, ways.budget, ways.loaded)
+DEAR = (files.written, files.taken_over, files.exported, files.lanes, files.stress)  # they run the program
 # Not yet: they are tried when they are named.
 LATER = ()
 RELATIONS = {f.__name__: Relation(f.__name__, f, cost) for functions, cost in ((CHEAP, 1), (DEAR, 4), (LATER, 1)) for f in functions}

@@ -1,39 +1,13 @@
-"""One system said in several ways: the complete deck, threads, disks that come later, forces of a program, clumps of one disk."""
+"""One system said in several ways: disks that come later, forces of a program, clumps of one disk."""
 import copy
 
 import numpy as np
 
-from . import decks, files, symmetries, watch
+from . import decks, symmetries, watch
 
 EVERY = symmetries.EVERY
 NEAR = symmetries.NEAR
 without = symmetries.without
-
-
-def hashes(sim, steps=300):
-    found = []
-    for _ in range(3):
-        watch.advance(sim, steps // 3)
-        found.append(sim.hash())
-    return found
-
-
-def without_comments(text):
-    return [line.split("#")[0].rstrip() for line in text.splitlines()]
-
-
-def echo(seed):
-    """The complete deck that a simulation prints, read again, and more threads: the same bits."""
-    deck = decks.make(seed).deck
-    sim = watch.simulation(deck)
-    text = sim.deck_full
-    with files.folder() as work:
-        (work / "echo.cfg").write_text(text)
-        other = watch.simulation(work / "echo.cfg", threads=2)
-        if without_comments(other.deck_full) != without_comments(text):
-            raise watch.Wrong("the complete deck of the complete deck is another")
-        if hashes(sim) != hashes(other):
-            raise watch.Wrong("the state differs")
 
 
 def later(seed):
