@@ -46,11 +46,10 @@ static const struct {
      "k_n = \"k\"; k_t = \"kt\"; gamma_n = \"c\"; mu = 0.3; cohesion = \"bridge\"; pull_off = "
      "\"w\"; range = \"d\"; rupture = \"2*d\";"},
     {"everything",
-     "law = \"hertz\"; k_n = \"k/sqrt(d)\"; restitution = 0.6; limit_damping = false; "
-     "tangential = \"mindlin\"; k_t = \"kt/sqrt(d)\"; "
-     "gamma_t = \"c\"; mu = 0.3; mu_kinetic = 0.2; k_r = \"k\"; gamma_r = \"c\"; mu_r = 0.05; "
-     "cohesion = \"bridge\"; "
-     "pull_off = \"w\"; range = \"d\"; rupture = \"2*d\";"},
+     "law = \"hertz\"; k_n = \"k/sqrt(d)\"; restitution = 0.6; limit_damping = false; tangential "
+     "= \"mindlin\"; k_t = \"kt/sqrt(d)\"; gamma_t = \"c\"; mu = 0.3; mu_kinetic = 0.2; k_r = "
+     "\"k\"; gamma_r = \"c\"; mu_r = 0.05; cohesion = \"bridge\"; pull_off = \"w\"; range = "
+     "\"d\"; rupture = \"2*d\";"},
 };
 enum { LAWS = sizeof laws / sizeof *laws, SYSTEMS = 2, CASES = LAWS * SYSTEMS };
 
@@ -91,16 +90,13 @@ static void load(law_case *c, int disks) {
       "disks = ( { x = 0; y = 0; radius = 1; mass = 0.1; },\n"
       "{ name = \"l\"; x = -1; y = \"-sqrt(3)\"; radius = 1; mass = 0.1; fixed = true; },\n"
       "{ name = \"r\"; x = 1; y = \"-sqrt(3)\"; radius = 1; mass = 0.1; fixed = true; } );\n"
-      "motions = ( { disk = (\"l\", \"r\"); coordinate = \"theta\"; type = \"harmonic\"; amplitude "
-      "= 0.04; "
-      "omega = \"20 pi\"; "
-      "} );\n",
-      "dt = 1e-3; gravity = { g = 1; }; constants = { k = 2.5e3; kt = 1.25e3; c = 10; d = 0.005; w "
-      "= 1; };\n"
+      "motions = ( { disk = (\"l\", \"r\"); coordinate = \"theta\"; type = \"harmonic\"; "
+      "amplitude = 0.04; omega = \"20 pi\"; } );\n",
+      "dt = 1e-3; gravity = { g = 1; }; constants = { k = 2.5e3; kt = 1.25e3; c = 10; d = 0.005; "
+      "w = 1; };\n"
       "container = { type = \"channel\"; width = 100; height = 1000; };\n"
       "packings = ( { type = \"front\"; count = %d; density = 1.27; sizes = \"uniform\"; lower = "
-      "0.4; upper "
-      "= 0.6; } );\n"};
+      "0.4; upper = 0.6; } );\n"};
   char text[4096], form[2048];
   snprintf(form, sizeof form, "%s", decks[c->system]);
   int n = snprintf(

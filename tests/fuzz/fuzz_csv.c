@@ -3,12 +3,10 @@
 #include "model/model.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-  static const char *const forms[] = {"disk_files = ( { file = \"%s\"; format = \"csv\"; density = "
-                                      "1; material = \"a\"; } ); max_overlap = "
-                                      "1;",
-                                      "disk_files = ( { file = \"%s\"; format = \"csv\"; columns = "
-                                      "(\"x\", \"y = z\", \"radius\"); mass = 1; "
-                                      "} );",
+  static const char *const forms[] = {"disk_files = ( { file = \"%s\"; format = \"csv\"; density "
+                                      "= 1; material = \"a\"; } ); max_overlap = 1;",
+                                      "disk_files = ( { file = \"%s\"; format = \"csv\"; columns "
+                                      "= (\"x\", \"y = z\", \"radius\"); mass = 1; } );",
                                       "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = "
                                       "true; } ); motions = ( { disk = 0; coordinate "
                                       "= \"x\"; type = \"table\"; file = \"%s\"; } );"};

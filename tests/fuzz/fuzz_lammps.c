@@ -8,8 +8,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
       "box = { periodic = \"xy\"; file = \"%s\"; };\n"
       "disk_files = ( { file = \"%s\"; format = \"lammps\"; density = 1; },\n"
       "  { file = \"%s\"; format = \"lammps\"; columns = (\"x\", \"y\", \"radius\", \"mass\", "
-      "\"name = id\", "
-      "\"group = type\"); } );";
+      "\"name = id\", \"group = type\"); } );";
   char text[700];
   const char *path = fuzz_file(data, size);
   snprintf(text, sizeof text, form, path, path, path);

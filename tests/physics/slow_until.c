@@ -34,8 +34,7 @@ static void ended_by_their_error_bars(void **unused) {
       {{ten, 10000, 1000, 0.3}, 1.8, 0.8},
   };
   print_message("|  tau | least | wanted | relative | length | early | error | within | chi2 | "
-                "bias | fixed within "
-                "| fixed chi2 |\n");
+                "bias | fixed within | fixed chi2 |\n");
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
     sequential_found f = sequential_trial(&cases[k].c, SEEDS);
     print_sequential(&cases[k].c, &f);

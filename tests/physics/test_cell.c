@@ -411,58 +411,6 @@ static void test_settles_at_the_stress(void **unused) {
   sd_model_free(m);
 }
 
-/* --- the same bits -------------------------------------------------------------------------------------------- */
-
-static void test_same_bits(void **unused) {
-  (void)unused;
-  for (int k = 0; k < 4; k++) {
-    request r = usual;
-    r.integrator = k % 2 ? "gear5" : "verlet";
-    r.variant = k / 2 ? "paper" : "conservative";
-    sd_model *m = packing(&r, lively);
-    sd_simulation *whole = begin_run(m, 1), *pieces = begin_run(m, 1), *threads = begin_run(m, 3);
-    for (int64_t done = 0; done < 9500; done += 500) {
-      advance(whole, 500);
-      advance(threads, 500);
-      for (int part = 0; part < 5; part++) {
-        advance(pieces, part == 4 ? 64 : 109);
-        if (part % 2)
-          pieces = go_on_from_copy(pieces, 1);
-        else
-          assert_int_equal(sd_simulation_rebuild(pieces, NULL), SD_OK);
-      }
-      same_states(sd_simulation_state(whole), sd_simulation_state(pieces), "pieces");
-      same_states(sd_simulation_state(whole), sd_simulation_state(threads), "threads");
-    }
-    assert_true(sd_simulation_finished(whole));
-    assert_true(sd_simulation_state(whole)->cell[CELL_OFFSET] != 0.0);
-    sd_simulation_free(pieces);
-    sd_simulation_free(threads);
-    sd_simulation_free(whole);
-    sd_model_free(m);
-  }
-}
-
-/* Lists follow the flow and miss nothing: any skin gives the same bits; a shear by the skin's part of a radius needs a list. */
-static void test_skin(void **unused) {
-  (void)unused;
-  uint64_t hash[3];
-  const double skins[3] = {0.02, 0.1, 0.5};
-  for (int k = 0; k < 3; k++) {
-    request r = usual;
-    r.skin = skins[k];
-    sd_model *m = packing(&r, lively);
-    sd_simulation *sim = begin_run(m, 1);
-    advance(sim, sd_model_steps(m));
-    print_message("  skin %g: %lld builds in %lld steps\n", skins[k],
-                  (long long)engine_of(sim)->work.builds, (long long)sd_simulation_step(sim));
-    hash[k] = sd_state_hash(sd_simulation_state(sim));
-    sd_simulation_free(sim);
-    sd_model_free(m);
-  }
-  assert_true(hash[0] == hash[1] && hash[1] == hash[2]);
-}
-
 /* --- mistakes ----------------------------------------------------------------------------------------------------- */
 
 static void refused(const char *deck, const char *expected) {
@@ -506,25 +454,19 @@ static void test_mistakes(void **unused) {
           "phases = ( { time = 1; cell = { rate_xx = -0.1; }; },\n"
           "  { time = 5; cell = { rate_yy = -0.5; }; } );",
           "test.cfg:5: phases[1].cell.rate_yy = -0.5: the box is 0.7388 long in y at the end of "
-          "this phase; "
-          "expected "
-          "more than 2.4");
+          "this phase; expected more than 2.4");
   refused(DECK("xy", "measure = { disks = true; };", "rate_xy = 1;"), "measure.disks");
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_pair),
-      cmocka_unit_test(test_lattice),
-      cmocka_unit_test(test_moduli),
-      cmocka_unit_test(test_whole_shear),
-      cmocka_unit_test(test_translation),
-      cmocka_unit_test(test_energy),
-      cmocka_unit_test(test_stress_is_reached),
-      cmocka_unit_test(test_settles_at_the_stress),
-      cmocka_unit_test(test_same_bits),
-      cmocka_unit_test(test_skin),
-      cmocka_unit_test(test_mistakes),
-  };
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pair),
+                                     cmocka_unit_test(test_lattice),
+                                     cmocka_unit_test(test_moduli),
+                                     cmocka_unit_test(test_whole_shear),
+                                     cmocka_unit_test(test_translation),
+                                     cmocka_unit_test(test_energy),
+                                     cmocka_unit_test(test_stress_is_reached),
+                                     cmocka_unit_test(test_settles_at_the_stress),
+                                     cmocka_unit_test(test_mistakes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -84,11 +84,10 @@ static void drag_acts_on_each_disk(void **unused) {
     text deck = {0};
     text_add(
         &deck,
-        "integrator = \"%s\"; dt = 1e-3; time = 2; materials = ( { name = \"m\"; k_n = 1; k_t = 1; "
-        "gamma_n = 0; mu = 0; } "
-        ");\ndisk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), "
-        "(0.8, "
-        "0)); } );\n"
+        "integrator = \"%s\"; dt = 1e-3; time = 2; materials = ( { name = \"m\"; k_n = 1; k_t = "
+        "1; gamma_n = 0; mu = 0; } );\n"
+        "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), "
+        "(0.8, 0)); } );\n"
         "clumps = ( { disk = (0, 1); velocity = (3, -1); omega = 2; } );\n"
         "fields = ( { type = \"drag\"; gamma = %g; gamma_rotation = %g; } );\n",
         integrator ? "verlet" : "gear5", f, f_r);
@@ -121,12 +120,10 @@ static void damping_acts_on_the_whole_clump(void **unused) {
     text deck = {0};
     text_add(
         &deck,
-        "integrator = \"%s\"; dt = %.17g; time = 10; gravity = { g = %g; }; materials = ( { name = "
-        "\"m\"; k_n "
-        "= 1; k_t = 1; gamma_n = 0; mu = 0; } );\n"
+        "integrator = \"%s\"; dt = %.17g; time = 10; gravity = { g = %g; }; materials = ( { name "
+        "= \"m\"; k_n = 1; k_t = 1; gamma_n = 0; mu = 0; } );\n"
         "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 0.7; rows = ((-0.8, 0), "
-        "(0.8, "
-        "0)); } );\n"
+        "(0.8, 0)); } );\n"
         "clumps = ( { disk = (0, 1); velocity = (0, %g); torque = 3; } );\n"
         "fields = ( { type = \"damping\"; alpha = %g; alpha_rotation = 0.25; } );\n",
         integrator ? "verlet" : "gear5", up / steps, g, v0, alpha);

@@ -212,15 +212,13 @@ static void a_given_mass_counts(void **unused) {
 static const char *const pressed =
     "integrator = \"verlet\"; contact_variant = \"conservative\"; dt = 1e-3;\n"
     "materials = ( { name = \"g\"; k_n = 1e4; k_t = 5e3; restitution = 0.3; mu = %g; }, { name = "
-    "\"smooth\"; "
-    "k_n = 1e4; } );\n"
+    "\"smooth\"; k_n = 1e4; } );\n"
     "material_pairs = ( { materials = (\"g\", \"smooth\"); k_n = 1e4; restitution = 0.3; } );\n"
     "container = { type = \"%s\"; width = %g; height = %g; %s };\n"
-    "packings = ( { type = \"random\"; fraction = %g; radius = 0.5; density = 1; material = \"g\"; "
-    "%s } );\n"
-    "phases = ( { time = 100; compress = { pressure = 10; rate = 0.05; }; settle = { unbalanced = "
-    "0.01; }; "
-    "},\n"
+    "packings = ( { type = \"random\"; fraction = %g; radius = 0.5; density = 1; material = "
+    "\"g\"; %s } );\n"
+    "phases = ( { time = 100; compress = { pressure = 10; rate = 0.05; }; settle = { unbalanced "
+    "= 0.01; }; },\n"
     "  { time = 60; relax = true; settle = { unbalanced = 1e-10; }; } );\n"
     "measure = { stress = true; box = true; %s rotation = (); };\n";
 static const char *const dimers = "clump = { at = ([-0.8, 0], [0.8, 0]); };";

@@ -1,5 +1,5 @@
 /* Clumps: free motion, closed forms of collision and rocking, one disk as a clump, prescribed coordinates, edges of a
- * periodic box, energy budgets, threads. Restarts: test_restart.c, fields: test_clump_fields.c. */
+ * periodic box, energy budgets. Fields: test_clump_fields.c. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -411,14 +411,12 @@ static void a_plate_is_dragged(void **unused) {
 /* --- packings ------------------------------------------------------------------------------------------------ */
 
 static const char *const heap = "gravity = { g = 9.81; }; contact_variant = \"conservative\"; "
-                                "materials = ( { name = \"m\"; k_n = 2e4; "
-                                "k_t = 1e4; "
-                                "gamma_n = 0.5; mu = 0.5; } ); container = { type = \"box\"; width "
-                                "= 1.5; height = 1.2; open = true; };\n"
+                                "materials = ( { name = \"m\"; k_n = 2e4; k_t = 1e4; gamma_n = "
+                                "0.5; mu = 0.5; } ); container = { type = \"box\"; width = 1.5; "
+                                "height = 1.2; open = true; };\n"
                                 "packings = ( { type = \"square\"; count = 1000; spacing = 0.04; "
-                                "sizes = \"uniform\"; lower = 0.008; "
-                                "upper = 0.011; density "
-                                "= 40.0; clump = { at = ([-0.8, 0.0], [0.8, 0.0]); }; } );\n";
+                                "sizes = \"uniform\"; lower = 0.008; upper = 0.011; density = "
+                                "40.0; clump = { at = ([-0.8, 0.0], [0.8, 0.0]); }; } );\n";
 
 static sd_model *heap_of(double dt, const char *more) {
   text t = {0};
@@ -449,36 +447,16 @@ static void a_packing_closes_its_budget(void **unused) {
   assert_true(steps < 20000 || (residual[1] < 1e-6 && residual[1] < 0.5 * residual[0]));
 }
 
-static void packings_do_not_depend_on_the_threads(void **unused) {
-  (void)unused;
-  sd_model *m = heap_of(2e-5, "phases = ( { steps = 3000; }, { steps = 500; relax = true; } );");
-  sd_state *end = NULL;
-  for (int threads = 1; threads <= 3; threads++) {
-    sd_simulation *s = begin_run(m, threads);
-    advance(s, 3500);
-    if (!end)
-      end = copy_of(m, sd_simulation_state(s));
-    else
-      same_states(end, sd_simulation_state(s), "threads");
-    sd_simulation_free(s);
-  }
-  sd_state_free(end);
-  sd_model_free(m);
-}
-
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_free_clump_keeps_its_momenta),
-      cmocka_unit_test(a_collision_keeps_the_momenta),
-      cmocka_unit_test(one_end_falls_on_a_wall),
-      cmocka_unit_test(a_tumbler_rocks),
-      cmocka_unit_test(one_disk_as_a_clump_moves_as_the_disk),
-      cmocka_unit_test(edges_of_a_periodic_box_are_not_felt),
-      cmocka_unit_test(the_shape_does_not_depend_on_the_order),
-      cmocka_unit_test(a_body_that_closes_around_the_box_is_refused),
-      cmocka_unit_test(a_plate_is_dragged),
-      cmocka_unit_test(a_packing_closes_its_budget),
-      cmocka_unit_test(packings_do_not_depend_on_the_threads),
-  };
+  const struct CMUnitTest tests[] = {cmocka_unit_test(a_free_clump_keeps_its_momenta),
+                                     cmocka_unit_test(a_collision_keeps_the_momenta),
+                                     cmocka_unit_test(one_end_falls_on_a_wall),
+                                     cmocka_unit_test(a_tumbler_rocks),
+                                     cmocka_unit_test(one_disk_as_a_clump_moves_as_the_disk),
+                                     cmocka_unit_test(edges_of_a_periodic_box_are_not_felt),
+                                     cmocka_unit_test(the_shape_does_not_depend_on_the_order),
+                                     cmocka_unit_test(a_body_that_closes_around_the_box_is_refused),
+                                     cmocka_unit_test(a_plate_is_dragged),
+                                     cmocka_unit_test(a_packing_closes_its_budget)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

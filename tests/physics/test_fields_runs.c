@@ -16,21 +16,16 @@
 
 /* Every kind: all on, then some, then others; one is on a group. */
 static const char every_kind[] =
-    "fields = ( { name = \"air\"; type = \"drag\"; gamma = 3; gamma_rotation = 2; per = \"mass\"; "
-    "flow = "
-    "(0.5, 0); "
-    "shear_rate = 2; swirl = 0.3; centre = (0.1, 0.2); },\n"
+    "fields = ( { name = \"air\"; type = \"drag\"; gamma = 3; gamma_rotation = 2; per = "
+    "\"mass\"; flow = (0.5, 0); shear_rate = 2; swirl = 0.3; centre = (0.1, 0.2); },\n"
     "{ name = \"oil\"; type = \"drag\"; gamma = 0.4; per = \"radius\"; group = \"grains\"; },\n"
-    "{ name = \"pull\"; type = \"central\"; strength = 0.1; power = -2; softening = 0.05; centre = "
-    "(0.5, "
-    "0.5); per = \"mass\"; },\n"
+    "{ name = \"pull\"; type = \"central\"; strength = 0.1; power = -2; softening = 0.05; centre "
+    "= (0.5, 0.5); per = \"mass\"; },\n"
     "{ name = \"push\"; type = \"central\"; strength = -0.02; power = 3; disk = (0, 3, 5); },\n"
     "{ name = \"frame\"; type = \"rotation\"; omega = 3; centre = (0.3, 0); },\n"
     "{ name = \"local\"; type = \"damping\"; alpha = 0.2; } );\n"
     "phases = ( { steps = 150; }, { steps = 1; fields = (); }, { steps = 100; fields = (\"oil\", "
-    "\"local\", "
-    "4); }, "
-    "{ steps = 100000; } );\n";
+    "\"local\", 4); }, { steps = 100000; } );\n";
 
 static sd_model *packing(int n, int wide, const char *integrator) {
   text t = {0};
@@ -61,64 +56,6 @@ static sd_model *packing(int n, int wide, const char *integrator) {
   return model;
 }
 
-static sd_state *state_after(const sd_model *model, int threads, const char *path, int64_t steps) {
-  if (path) setenv("SLIPDISK_PATH", path, 1);
-  sd_simulation *sim = begin_run(model, threads);
-  advance(sim, steps);
-  sd_state *state = copy_of(model, sd_simulation_state(sim));
-  sd_simulation_free(sim);
-  unsetenv("SLIPDISK_PATH");
-  return state;
-}
-
-static void threads_and_paths_give_the_same_bits(void **unused) {
-  (void)unused;
-  static const char *const integrators[] = {"gear5", "verlet"};
-  const int64_t steps = BRIEF(500, 300);
-  for (int c = 0; c < 4; c++) {
-    sd_model *model =
-        c < 2 ? packing(2500, 60, integrators[c]) : packing(13, 4, integrators[c - 2]);
-    sd_state *one = state_after(model, 1, NULL, steps);
-    assert_true(one->loss_drag[0] > 0 && one->loss_damping[0] > 0 && one->field_work[0] != 0);
-    for (int threads = 2; threads <= 3; threads++) {
-      sd_state *many = state_after(model, threads, NULL, steps);
-      same_states(one, many, "threads");
-      sd_state_free(many);
-    }
-    static const char *const paths[] = {"baseline", "avx2", "avx512"};
-    for (int k = 0; k < 3; k++) {
-      if (!kernels_named(paths[k])) continue;
-      sd_state *other = state_after(model, 1, paths[k], steps);
-      same_states(one, other, paths[k]);
-      sd_state_free(other);
-    }
-    sd_state_free(one);
-    sd_model_free(model);
-  }
-}
-
-static void restarts_and_rebuilt_lists_give_the_same_bits(void **unused) {
-  (void)unused;
-  static const char *const integrators[] = {"gear5", "verlet"};
-  for (int c = 0; c < 2; c++) {
-    sd_model *model = packing(61, 9, integrators[c]);
-    sd_state *one = state_after(model, 1, NULL, 400);
-    sd_simulation *sim = begin_run(model, 1), *copied = begin_run(model, 1);
-    for (int k = 0; k < 400; k++) {
-      advance(sim, 1);
-      if (k % 7 == 0) assert_int_equal(sd_simulation_rebuild(sim, NULL), SD_OK);
-      advance(copied, 1);
-      if (k % 23 == 0) copied = go_on_from_copy(copied, 1 + k % 2);
-    }
-    same_states(one, sd_simulation_state(sim), "rebuilt");
-    same_states(one, sd_simulation_state(copied), "copied");
-    sd_simulation_free(sim);
-    sd_simulation_free(copied);
-    sd_state_free(one);
-    sd_model_free(model);
-  }
-}
-
 /* The residual of a packing with every field: small, and of second order with Verlet. */
 static void the_budget_closes(void **unused) {
   (void)unused;
@@ -144,14 +81,12 @@ static void fields_act_on_groups_in_phases(void **unused) {
   (void)unused;
   sd_model *model = model_of(
       "dt = 1e-3; integrator = \"verlet\"; " MATERIAL
-      "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 1; vx = 1; rows = ((0, 0), (0, "
-      "3)); },\n"
+      "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 1; vx = 1; rows = ((0, 0), "
+      "(0, 3)); },\n"
       "{ columns = (\"x\", \"y\"); radius = 1; mass = 1; vx = 1; group = \"g\"; rows = ((0, 6), "
-      "(0, 9)); } "
-      ");\n"
-      "fields = ( { name = \"d\"; type = \"drag\"; gamma = 2; group = \"g\"; }, { type = \"drag\"; "
-      "gamma = "
-      "1; disk = 1; } );\n"
+      "(0, 9)); } );\n"
+      "fields = ( { name = \"d\"; type = \"drag\"; gamma = 2; group = \"g\"; }, { type = "
+      "\"drag\"; gamma = 1; disk = 1; } );\n"
       "phases = ( { time = 1; }, { time = 1; fields = 1; }, { time = 1; fields = (); } );");
   sd_simulation *sim = begin_run(model, 1);
   advance(sim, 3000);
@@ -301,37 +236,30 @@ static void warnings_of_boxes_frames_and_phases(void **unused) {
        "1; } );",
        "fields.f: gravity turns with the frame"},
       {"box = { x = (-9, 9); periodic = \"x\"; }; steps = 9; fields = ( { type = \"central\"; "
-       "strength = 1; "
-       "} );",
+       "strength = 1; } );",
        "fields[0]: the force depends on place along x, where the box repeats"},
-      {"box = { x = (-9, 9); periodic = \"x\"; }; steps = 9; fields = ( { type = \"drag\"; gamma = "
-       "1; "
-       "shear_rate = 1; } );",
+      {"box = { x = (-9, 9); periodic = \"x\"; }; steps = 9; fields = ( { type = \"drag\"; gamma "
+       "= 1; shear_rate = 1; } );",
        NULL},
-      {"box = { y = (-9, 9); periodic = \"y\"; }; steps = 9; fields = ( { type = \"drag\"; gamma = "
-       "1; "
-       "shear_rate = 1; } );",
+      {"box = { y = (-9, 9); periodic = \"y\"; }; steps = 9; fields = ( { type = \"drag\"; gamma "
+       "= 1; shear_rate = 1; } );",
        "depends on place along y"},
-      {"fields = ( { name = \"f\"; type = \"drag\"; gamma = 1; } ); phases = ( { steps = 9; fields "
-       "= (); } "
-       ");",
+      {"fields = ( { name = \"f\"; type = \"drag\"; gamma = 1; } ); phases = ( { steps = 9; "
+       "fields = (); } );",
        "fields.f: it is on in no phase"},
-      {"fields = ( { type = \"drag\"; gamma = 1; } ); phases = ( { steps = 9; settle = { kinetic = "
-       "1; }; } "
-       ");",
+      {"fields = ( { type = \"drag\"; gamma = 1; } ); phases = ( { steps = 9; settle = { kinetic "
+       "= 1; }; } );",
        NULL},
       {"fields = ( { type = \"damping\"; alpha = 0.5; } ); phases = ( { steps = 9; fields = (); "
-       "settle = { "
-       "kinetic = 1; }; }, { steps = 9; } );",
+       "settle = { kinetic = 1; }; }, { steps = 9; } );",
        "nothing takes energy out"},
   };
   for (size_t k = 0; k < sizeof decks / sizeof *decks; k++) {
     text t = {0};
     text_add(&t,
              "dt = 1e-3; materials = ( { name = \"a\"; k_n = 1e4; } ); disks = ( { x = 0; y = 0; "
-             "radius = 1; "
-             "mass = 1; }, "
-             "{ x = 3; y = 0; radius = 1; mass = 1; } );\n%s",
+             "radius = 1; mass = 1; }, { x = 3; y = 0; radius = 1; mass = 1; } );\n"
+             "%s",
              decks[k].deck);
     sd_model *model = model_of(t.s);
     sd_messages *messages = sd_messages_new();
@@ -386,16 +314,12 @@ static void models_own_their_fields(void **unused) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(threads_and_paths_give_the_same_bits),
-      cmocka_unit_test(restarts_and_rebuilt_lists_give_the_same_bits),
-      cmocka_unit_test(the_budget_closes),
-      cmocka_unit_test(fields_act_on_groups_in_phases),
-      cmocka_unit_test(disks_come_and_go),
-      cmocka_unit_test(rain_and_compression),
-      cmocka_unit_test(mistakes_are_told),
-      cmocka_unit_test(warnings_of_boxes_frames_and_phases),
-      cmocka_unit_test(models_own_their_fields),
-  };
+  const struct CMUnitTest tests[] = {cmocka_unit_test(the_budget_closes),
+                                     cmocka_unit_test(fields_act_on_groups_in_phases),
+                                     cmocka_unit_test(disks_come_and_go),
+                                     cmocka_unit_test(rain_and_compression),
+                                     cmocka_unit_test(mistakes_are_told),
+                                     cmocka_unit_test(warnings_of_boxes_frames_and_phases),
+                                     cmocka_unit_test(models_own_their_fields)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

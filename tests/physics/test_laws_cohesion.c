@@ -60,14 +60,12 @@ static void force_against_distance(void **unused) {
                    1 + far, 1 + far);
         if (wall == 2)
           text_add(&t,
-                   "walls = ( { name = \"o\"; type = \"circle\"; center = (%.17g, 0); radius = 2; "
-                   "side = "
-                   "\"outside\"; } );\n",
+                   "walls = ( { name = \"o\"; type = \"circle\"; center = (%.17g, 0); radius = "
+                   "2; side = \"outside\"; } );\n",
                    3 + far);
         text_add(&t,
                  "motions = ( { %s = \"o\"; coordinate = \"x\"; type = \"table\"; times = (0, 1, "
-                 "2, 3, 4, 5, 6); "
-                 "values = (0, %.17g, %.17g, 0, 0, %.17g, %.17g); } );\n",
+                 "2, 3, 4, 5, 6); values = (0, %.17g, %.17g, 0, 0, %.17g, %.17g); } );\n",
                  wall ? "wall" : "disk", near - far, near - far, 0.25 * l.range - far,
                  0.25 * l.range - far);
         sd_simulation *s = laws_begin(&t, false);

@@ -39,15 +39,13 @@ static void dashpot(void **unused) {
         text_add(&t, " );\ndisks = ( { x = 0; y = 0; radius = %g; mass = %g; ", R, m);
         if (pair)
           text_add(&t,
-                   "omega = %.17g; locked = (\"x\", \"y\"); },\n{ x = %.17g; y = 0; radius = %g; "
-                   "mass = %g; "
-                   "locked = (\"x\", \"y\"); } );\n",
+                   "omega = %.17g; locked = (\"x\", \"y\"); },\n"
+                   "{ x = %.17g; y = 0; radius = %g; mass = %g; locked = (\"x\", \"y\"); } );\n",
                    speed / R, R + rb - overlap, rb, mb);
         else
           text_add(&t,
-                   "vx = %.17g; } );\nwalls = ( { type = \"line\"; points = ( (-1, %.17g), (1, "
-                   "%.17g) ); } "
-                   ");\n",
+                   "vx = %.17g; } );\n"
+                   "walls = ( { type = \"line\"; points = ( (-1, %.17g), (1, %.17g) ); } );\n",
                    speed, overlap - R, overlap - R);
         sd_simulation *s = laws_begin(&t, false);
         double inverse = pair ? 2 / m + 2 / mb : 3 / m, b = 0.5 * l.gamma_t * inverse;
@@ -194,14 +192,13 @@ static double driven_cycle(bool mindlin, int turns, double periods, double dt, d
   text_add(&t, "materials = ( ");
   law_add(&t, "name = \"m\"", &l);
   text_add(&t,
-           " );\ndisks = ( { x = 0; y = 0; radius = 1; mass = 1; inertia = 1e90; locked = (\"x\", "
+           " );\n"
+           "disks = ( { x = 0; y = 0; radius = 1; mass = 1; inertia = 1e90; locked = (\"x\", "
            "\"y\"); },\n"
            "{ name = \"d\"; x = %.17g; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
-           "motions = ( { disk = \"d\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 2e-3; "
-           "omega = \"2 pi\"; }, "
-           "{ disk = \"d\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.01; omega = "
-           "\"%d pi\"; } "
-           ");\n",
+           "motions = ( { disk = \"d\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = "
+           "2e-3; omega = \"2 pi\"; }, { disk = \"d\"; coordinate = \"theta\"; type = "
+           "\"harmonic\"; amplitude = 0.01; omega = \"%d pi\"; } );\n",
            1.995, 2 * turns);
   sd_simulation *s = laws_begin(&t, false);
   system_advance(s, (int64_t)nearbyint(periods / dt));

@@ -282,47 +282,6 @@ static void test_swelling(void **unused) {
   }
 }
 
-/* Returns the hash after a course with all kinds of changes. at: number of the change after which
- * the simulation is saved and loaded; -1: none. */
-static uint64_t course(const char *how, int threads, int64_t at) {
-  static const struct {
-    const char *name;
-    uint32_t index;
-    double value;
-  } steps[] = {{"vx", 5, 3.0},     {"gravity", SD_X, 4.0}, {"radius", 7, 0.046}, {"law.mu", 0, 0.2},
-               {"omega", 9, 20.0}, {"law.k_n", 0, 1.5e4},  {"held", 3, 1.0},     {"angle", 4, 3.0},
-               {"mass", 8, 0.02},  {"held", 3, 0.0}};
-  sd_simulation *sim = begin(box, how, threads);
-  sd_messages *m = sd_messages_new();
-  for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
-    advance(sim, 300);
-    set(sim, steps[k].name, steps[k].index, steps[k].value);
-    if ((int64_t)k == at) {
-      void *data;
-      size_t size;
-      check(sd_simulation_save_memory(sim, &data, &size, m), m);
-      sd_simulation_free(sim);
-      check(sd_simulation_load_memory(data, size, threads, &sim, m), m);
-      sd_free(data);
-    }
-  }
-  advance(sim, 300);
-  closed(sim, 1e-2);
-  const uint64_t hash = sd_state_hash(sd_simulation_state(sim));
-  sd_simulation_free(sim);
-  sd_messages_free(m);
-  return hash;
-}
-
-static void test_bits(void **unused) {
-  (void)unused;
-  FOR_INTEGRATORS {
-    const uint64_t hash = course(*how, 1, -1);
-    assert_true(hash == course(*how, 2, -1));
-    for (int64_t at = 0; at < 10; at += 3) assert_true(hash == course(*how, 1 + (int)(at % 2), at));
-  }
-}
-
 /* A fixed disk is released among so many that slots are sorted by position. */
 static const char many[] =
     "dt = 2e-5; seed = 3; gravity = { g = 10.0; };\n"
@@ -430,7 +389,7 @@ int main(void) {
       cmocka_unit_test(test_thrown),   cmocka_unit_test(test_spring),
       cmocka_unit_test(test_friction), cmocka_unit_test(test_motions),
       cmocka_unit_test(test_release),  cmocka_unit_test(test_swelling),
-      cmocka_unit_test(test_bits),     cmocka_unit_test(test_refused),
-      cmocka_unit_test(test_turning),  cmocka_unit_test(test_many)};
+      cmocka_unit_test(test_refused),  cmocka_unit_test(test_turning),
+      cmocka_unit_test(test_many)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -127,12 +127,9 @@ static void elastic_contacts_lose_nothing(void **unused) {
       char deck[1000];
       snprintf(deck, sizeof deck,
                "dt = %.17g; integrator = \"%s\"; max_overlap = 0.9; disks = ( { x = 0.31; y = 0; "
-               "vx = 1; "
-               "radius = 0.1; mass = 1; } ); "
-               "walls = ( { type = \"line\"; points = ((0, 0), (0, 1)); }, { type = \"line\"; "
-               "points = ((1, "
-               "0), (1, 1)); } ); "
-               "materials = ( { name = \"m\"; %s } ); time = %d;",
+               "vx = 1; radius = 0.1; mass = 1; } ); walls = ( { type = \"line\"; points = ((0, "
+               "0), (0, 1)); }, { type = \"line\"; points = ((1, 0), (1, 1)); } ); materials = ( "
+               "{ name = \"m\"; %s } ); time = %d;",
                M_PI / sqrt(stiffness) / 50, integrator ? "verlet" : "gear5", elastic[k],
                BRIEF(830, 40));
       sd_simulation *s;

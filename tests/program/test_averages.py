@@ -1,9 +1,8 @@
-"""measure.averages: means with error bars of columns of the series, of sums and of ratios; against the rows that are stored, after
-interruptions, on threads, in sweeps, and what is said of mistakes and of records that are too short."""
+"""measure.averages: means with error bars of columns of the series, of sums and of ratios; against the rows that are stored, in
+sweeps, and what is said of mistakes and of records that are too short."""
 import csv
 import json
 import os
-import signal
 import sys
 import unittest
 
@@ -11,7 +10,7 @@ import h5py
 import numpy as np
 
 import results_common
-from results_common import ROOT, assert_same, run
+from results_common import ROOT, run
 
 sys.path.insert(0, str(ROOT / "tools/python"))
 LIBRARY = os.path.join(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"), "libslipdisk.so")
@@ -96,29 +95,6 @@ class Averages(results_common.Folder):
                 self.assertEqual(a.converged, alone.converged, name)
             self.assertLess(result.averages.mu.error, 0.1)
             self.assertGreater(result.averages.mu.error, 0.001)
-
-    def test_bits(self):
-        """The same after an interruption while it measures, and on two threads."""
-        self.make((SHEAR % (3000, 20, 3000, 20)).replace('"squeeze"; time = 20;', '"squeeze"; time = 20; measure = true; series = 20;'))
-        whole, deck = self.folder / "whole.h5", self.folder / "deck.cfg"
-        self.result.rename(whole)
-        self.run_ok("run", deck, "-o", self.result, "--quiet", "--threads", 2)
-        assert_same(self, whole, self.result)
-        self.result.unlink()
-        process = self.started(deck, "--quiet", "-D", "checkpoint=0.01")
-        process.send_signal(signal.SIGTERM)
-        self.gate.open()
-        process.communicate()
-        self.assertEqual((process.returncode, self.result.exists()), (75, False))
-        rows = slipdisk.Result(self.result).averages.mu.rows
-        self.assertTrue(0 < rows < 800, rows)
-        self.run_ok("resume", self.result, "--quiet")
-        self.assertEqual(slipdisk.Result(self.result).averages.mu.rows, 800)
-        with h5py.File(whole) as a, h5py.File(self.result) as b:
-            for group in "state", "summary/average":
-                for name in (n for n in a[group] if group != "state" or n.startswith("average")):
-                    np.testing.assert_array_equal(a[group][name][()], b[group][name][()], err_msg=name)
-            self.assertEqual(sum(name.startswith("average") for name in a["state"]), 4)
 
     def test_elements(self):
         result, _ = self.make(BED % 'a = "wall_force_y[floor]"; b = "wall_normal[right] + wall_normal[ left ]"; c = "disk_normal"; '

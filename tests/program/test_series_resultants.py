@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 
 import results_common
-from results_common import run, start, wait_for
+from results_common import run
 
 MATERIAL = 'materials = ( { name = "m"; k_n = 1e5; k_t = 5e4; gamma_n = 20.0; mu = 0.4; } );\n'
 HEAD = 'integrator = "%s"; contact_variant = "%s"; dt = 2e-4;\n' + MATERIAL
@@ -211,27 +211,6 @@ measure = { walls = true; box = true; stress = true; };
             for name, side in (("width", "x"), ("height", "y")):
                 self.assertTrue(near(c[name], [np.diff(f["region"][side])[0] for f in frames], 1e-14))
             self.assertGreater(c["stress_yy"].max(), 0)
-
-    def keep(self, deck):
-        self.make(deck, "--threads", "1")
-        first = self.folder / "first.h5"
-        self.result.rename(first)
-        return first
-
-    def test_the_same_with_threads(self):
-        deck = HEAD % ("gear5", "paper") + BOX % 2000
-        first = self.keep(deck)
-        self.make(deck, "--threads", "2")
-        results_common.assert_same(self, first, self.result)
-
-    def test_the_same_after_a_kill(self):
-        first = self.keep(HEAD % ("gear5", "paper") + BOX % 60000)
-        process = self.started(self.deck, "--threads", 1, "--quiet", "-D", "checkpoint=0.01")
-        process.kill()
-        process.communicate()
-        self.assertTrue(self.parts.exists())
-        self.run_ok("run", self.deck, "-o", self.result, "--threads", 1, "--quiet")
-        results_common.assert_same(self, first, self.result)
 
     def test_nothing_in_play(self):
         """While all disks wait there is no force, and where no disk is and no region, no size."""

@@ -1,14 +1,10 @@
-"""Runs whose phases end at rest, with rain and bounds: what they write and say, and that a kill changes nothing."""
-import pathlib
-import shutil
-import signal
-import tempfile
+"""Runs whose phases end at rest, with rain and bounds: what they write and say."""
 import unittest
 
 import h5py
 import numpy
 
-from results_common import LONG, Folder, assert_same, run, start, wait_for
+from results_common import Folder, run, start
 
 DECK = """
 dt = 2e-5; gravity = {{ g = 9.81; }}; checkpoint = {checkpoint};
@@ -132,35 +128,6 @@ class Lost(Runs):
         out, err = self.run_ok("run", self.deck(deck), "-o", self.result)
         self.assertIn('disk "falls" left the bounds', err)
         self.assertIn('outside = "report"', self.run_ok("check", self.deck(deck), "--no-probe")[0])
-
-
-class Stopped(Runs):
-    """Killed or stopped and continued: every phase ends at the same step, and the file is the same in every bit."""
-
-    @classmethod
-    def setUpClass(cls):
-        cls.where = pathlib.Path(tempfile.mkdtemp(prefix="slipdisk-settle-"))
-        cls.text = DECK.format(count=80, most=200000, checkpoint=0.02)
-        (cls.where / "d.cfg").write_text(cls.text)
-        cls.whole = cls.where / "whole.h5"
-        status, _, err = run("run", cls.where / "d.cfg", "-o", cls.whole)
-        assert status == 0, err
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.where)
-
-    def test_killed(self):
-        self.assertGreater(self.kill_until_done([self.where / "d.cfg"], 0.3, 1), 0)
-        assert_same(self, self.result, self.whole)
-
-    def test_stopped_and_resumed(self):
-        process = self.started(self.where / "d.cfg")
-        process.send_signal(signal.SIGTERM)
-        _, err = process.communicate(timeout=LONG)
-        self.assertEqual(process.returncode, 75, err)
-        self.run_ok("resume", self.result)
-        assert_same(self, self.result, self.whole)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """What lies around a run: links, files and folders that come, go and are replaced; checksums of what is finished."""
 import pathlib
 import shutil
-import sys
 import tempfile
 import unittest
 

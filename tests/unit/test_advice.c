@@ -112,9 +112,8 @@ static void compression_ends_with_settle(void **unused) {
              "packings = ( { type = \"random\"; count = 12; radius = 1.0; density = 1.0; } );\n"
   /* from 0.377 to 0.5: ln(1.326)/2 = 0.141 over the rate */
   advised(BOX PHASE("compress = { fraction = 0.5; rate = 0.01; };"),
-          "phases.p: compress reaches its packing fraction after about 14.1 of 100, and the phase "
-          "goes on to "
-          "its end");
+          "phases.p: compress reaches its packing fraction after about 14.1 of 100, and the "
+          "phase goes on to its end");
   advised(BOX PHASE("compress = { fraction = 0.5; rate = 0.01; }; settle = { kinetic = 1e-9; };"),
           NULL);
   advised(BOX PHASE("compress = { fraction = 0.5; rate = 0.004; };"), NULL);
@@ -271,8 +270,7 @@ static void motions_suit_the_step(void **unused) {
   advised(MOVED(WAVE("random", "")), "begins with a jump by up to 0.15 radii");
   advised(MOVED(WAVE("random", "ramp = 1.0;")), NULL);
   advised(MOVED("coordinate = \"surface\"; type = \"harmonic\"; amplitude = 0.05; omega = 6.0; "
-                "phase = \"0.5 "
-                "pi\";"),
+                "phase = \"0.5 pi\";"),
           NULL);
 #define TABLE(times, values)                                                                       \
   "coordinate = \"y\"; type = \"table\"; times = (" times "); values = (" values ");"

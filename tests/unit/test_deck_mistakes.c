@@ -67,8 +67,7 @@ static void materials_and_walls(void **unused) {
       {TWO "material_pairs = ( { materials = (\"m\", \"m\"); k_n = 1; } );",
        "itself stands in materials"},
       {TWO "material_pairs = ( { materials = (\"m\", \"n\"); k_n = 1; }, { materials = (\"n\", "
-           "\"m\"); k_n = "
-           "1; } );",
+           "\"m\"); k_n = 1; } );",
        "given twice"},
       {TWO "material_pairs = ( 3 );", "material_pairs"},
       {"dt = 1; steps = 1; materials = ();" DISK, "materials"},
@@ -117,16 +116,14 @@ static void bodies_that_cannot_be(void **unused) {
   static const corner list[] = {
       {START DISK
        "walls = ( { name = \"w\"; type = \"line\"; points = ((0, -4), (1, -4)); }, { name = "
-       "\"w\"; type = \"line\"; "
-       "points = ((0, -5), (1, -5)); } );",
+       "\"w\"; type = \"line\"; points = ((0, -5), (1, -5)); } );",
        "two walls have this name"},
       {START "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; vx = 1; } );",
        "a fixed disk cannot have a velocity"},
       {START "disks = ( { x = 0; y = 0; radius = 1; mass = 1; locked = \"x\"; vx = 1; } );",
        "a locked coordinate cannot have a velocity"},
-      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\"); fixed = true; density "
-             "= 1; rows "
-             "= ( (0, 0, 1, 2) ); } );",
+      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"vx\"); fixed = true; "
+             "density = 1; rows = ( (0, 0, 1, 2) ); } );",
        "a fixed disk cannot have a velocity"},
       {START "disk_rows = ( { rows = ( (0, 0, 1) ); density = 1; } );",
        "columns: missing: expected"},
@@ -137,9 +134,8 @@ static void bodies_that_cannot_be(void **unused) {
       {START
        "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 1; rows = ( (0, 0) ); } );",
        "expected 3 values in ( ), one per column"},
-      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"group\"); density = 1; rows = "
-             "( (0, 0, "
-             "1, 3) ); } );",
+      {START "disk_rows = ( { columns = (\"x\", \"y\", \"radius\", \"group\"); density = 1; rows "
+             "= ( (0, 0, 1, 3) ); } );",
        "expected a text in quotes"},
       {CLUMP("locked = \"x\"; velocity = (1, 0);"), "a locked coordinate cannot have a velocity"},
       {CLUMP("}, { name = \"c\"; disk = 1;"), "two clumps have this name"},
@@ -345,10 +341,9 @@ static void numbers_and_names(void **unused) {
              "{ x = 3; y = 0; radius = 1; mass = 1; } );\n"
              "locks = ( { group = \"g\"; except = 1; coordinates = \"x\"; } );",
        "disk 1 is not among the disks that are locked"},
-      {START DISK "title = \"a text that is longer than what a message shows of it, as it would be "
-                  "too much\"; "
-                  "gravity = \"another text that is longer than what a message shows of it, it "
-                  "would be too much\";",
+      {START DISK "title = \"a text that is longer than what a message shows of it, as it would "
+                  "be too much\"; gravity = \"another text that is longer than what a message "
+                  "shows of it, it would be too much\";",
        "gravity"},
       {START DISK "dt = true;", "dt"},
       {START DISK "walls = ( { type = \"lines\"; } );", "did you mean \"line\""},

@@ -109,68 +109,6 @@ static const int64_t one_piece[] = {3000, 0}, odd_pieces[] = {1, 2, 63, 64, 65, 
             {"1e3", "2e4"},                                                                        \
             {"1", "2", "3", "4", "5", "6", "7"}}
 
-static void numbers_differ(void **unused) {
-  (void)unused;
-  static const variety decks[] = {
-      {.deck = "three_disk/random.cfg", .common = {"phases[0].steps=1500"}, NUMBERS},
-      {.deck = "three_disk/random.cfg",
-       .common = {"phases[0].steps=800", "dt=1e-5", "measure.configurations=true"},
-       NUMBERS},
-      {.deck = "three_disk/random.cfg",
-       .common = {"phases[0].steps=1500", "motions[*].interval=10", "integrator=verlet"},
-       NUMBERS},
-      {.deck = "three_disk/sync.cfg", .common = {"phases[0].steps=1500"}, NUMBERS},
-      {.deck = "three_disk/async.cfg",
-       .common = {"phases[0].steps=100", "integrator=verlet"},
-       NUMBERS},
-      {.deck = "three_disk/steady.cfg", .common = {"phases[0].steps=1500"}, NUMBERS},
-      {.deck = "three_disk/frozen.cfg", .common = {"phases[0].steps=1500"}, NUMBERS},
-  };
-  size_t width = ensemble_width();
-  for (size_t d = 0; d < sizeof decks / sizeof *decks; d++) {
-    assert_int_equal(same(&decks[d], width, one_piece), width);
-    assert_int_equal(same(&decks[d], 3, odd_pieces), width < 3 ? width : 3);
-  }
-  assert_int_equal(same(&decks[0], MOST, odd_pieces), width);
-  assert_int_equal(same(&decks[0], 1, one_piece), 0);
-}
-
-/* Contacts open and close, disks turn far, supports leave their range of angles; the conservative variant. */
-static void rough(void **unused) {
-  (void)unused;
-  static const variety decks[] = {
-      {.deck = "three_disk/random.cfg",
-       .common = {"dt=1e-5", "phases[0].steps=1234", "measure.configurations=true"},
-       .key = {"motions[*].amplitude", "seed"},
-       .value = {{"2e-2", "1e-3", "1e-2"}, {"1", "2", "3", "4", "5"}}},
-      {.deck = "three_disk/random.cfg",
-       .common = {"dt=1e-5", "phases[0].steps=1234", "contact_variant=conservative",
-                  "integrator=verlet"},
-       .key = {"motions[*].amplitude", "seed"},
-       .value = {{"2e-2", "1e-3", "1e-2"}, {"1", "2", "3", "4", "5"}}},
-      {.deck = "three_disk/steady.cfg",
-       .common = {"phases[0].steps=500"},
-       .key = {"motions.left.velocity", "dt"},
-       .value = {{"-1e3", "5e3", "2e4"}, {"1e-6", "2e-6"}}},
-      {.deck = "collisions/two_disks.cfg",
-       .key = {"disks[0].vx", "materials[0].k_n"},
-       .value = {{"0.5", "1", "3"}, {"1e4", "1e5", "3e4"}}},
-      {.deck = "collisions/disk_wall.cfg",
-       .key = {"disks[0].vx", "materials[0].k_n", "walls[0].points"},
-       .value = {{"0.5", "1", "3"},
-                 {"1e4", "1e5", "3e4"},
-                 {"((-1, 0), (1, 0))", "((1, 0.02), (-1, -0.01))"}}},
-      {.deck = "epo/asymmetric.cfg",
-       .common = {"phases[0].steps=500"},
-       .key = {"motions[*].amplitude", "disks[0].mass", "walls[0].type"},
-       .value = {{"0.01", "0.03"}, {"0.1", "0.12"}, {"line", "segment", "line"}}},
-  };
-  for (size_t d = 0; d < sizeof decks / sizeof *decks; d++) {
-    assert_true(same(&decks[d], 7, one_piece) > 1);
-    same(&decks[d], 5, odd_pieces);
-  }
-}
-
 /* One overlaps too deeply, at once or later: it keeps its last state, and the others do not notice. */
 static void one_fails(void **unused) {
   (void)unused;
@@ -209,7 +147,7 @@ static void not_alike(void **unused) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(numbers_differ), cmocka_unit_test(rough),
+  const struct CMUnitTest tests[] = {
                                      cmocka_unit_test(one_fails), cmocka_unit_test(not_alike)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -193,8 +193,7 @@ static const char deck[] =
     "materials = ( { name = \"m\"; k_n = \"1e4 / 3\"; } );\n"
     "disks = ( { name = \"a\"; x = \"sqrt(3) * R\"; y = 0; radius = \"R\"; mass = 2; } );\n"
     "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); rows = ( (\"10 * R\", 1, \"R/3\") ); "
-    "mass = 1; } "
-    ");\n";
+    "mass = 1; } );\n";
 
 static void same_models(const sd_model *a, const sd_model *b) {
   assert_memory_equal(a->gravity, b->gravity, sizeof a->gravity);

@@ -173,11 +173,10 @@ static void test_results_of_ranks(void **state) {
   (void)state;
   sd_simulation *run;
   sd_model *m = alone(TWO "packings = ( { type = \"square\"; count = 15000; x = (0, 150); y = "
-                          "(100, 201); radius = 0.5; density "
-                          "= 1; "
-                          "group = \"high\"; material = \"n\"; }, { type = \"square\"; count = "
-                          "9000; x = (0, 150); y = (0, 61); "
-                          "radius = 0.4; density = 1; group = \"low\"; material = \"m\"; } );");
+                          "(100, 201); radius = 0.5; density = 1; group = \"high\"; material = "
+                          "\"n\"; }, { type = \"square\"; count = 9000; x = (0, 150); y = (0, "
+                          "61); radius = 0.4; density = 1; group = \"low\"; material = \"m\"; } "
+                          ");");
   check(sd_simulation_new(m, 1, &run, messages), messages);
   check(sd_simulation_save(run, table, messages), messages);
   sd_simulation_free(run);

@@ -356,62 +356,6 @@ static void oscillators_do_not_depend_on_the_path(void **unused) {
   }
 }
 
-/* A box with everything in it: round and straight walls, two materials, random and harmonic motions. */
-static sd_model *packing(int n, const char *integrator, const char *variant) {
-  text t = {0};
-  text_add(&t,
-           "dt = 2e-5; seed = 77; integrator = \"%s\"; contact_variant = \"%s\"; gravity = { g = "
-           "9.81; tilt "
-           "= 0.1; };\n",
-           integrator, variant);
-  text_add(
-      &t,
-      "materials = ( { name = \"a\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.5; },"
-      "{ name = \"b\"; k_n = 2e4; k_t = 1e4; gamma_n = 1; mu = 0.2; } );\n"
-      "material_pairs = ( { materials = (\"a\", \"b\"); k_n = 1.5e4; k_t = 8e3; gamma_n = 3; mu = "
-      "0.3; } );\n");
-  text_add(&t, "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; material = "
-               "\"a\"; rows = (");
-  add_lattice(&t, n, 9, 0.03, 0.03, 0.042, 0.02, 5);
-  text_add(
-      &t,
-      "); } );\nwalls = ( { name = \"box\"; type = \"polyline\"; material = \"b\"; points = ((0, "
-      "1), (0, 0), (0.4, 0), (0.4, 1)); },\n"
-      "{ name = \"knob\"; type = \"circle\"; material = \"b\"; center = (0.2, -0.03); radius = "
-      "0.04; side = \"outside\"; } );\n"
-      "motions = ( { wall = \"box\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 2e-4; "
-      "frequency = 80; },\n"
-      "{ wall = \"knob\"; coordinate = (\"y\", \"theta\"); type = \"random\"; amplitude = 1e-3; "
-      "frequency = 40; } );\n"
-      "steps = 10000;\n");
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
-}
-
-static void runs_do_not_depend_on_the_path(void **unused) {
-  (void)unused;
-  const int sizes[] = {1, 3, 9, 61};
-  for (int c = 0; c < 16; c++) {
-    sd_model *model =
-        packing(sizes[c / 4], c & 1 ? "verlet" : "gear5", c & 2 ? "conservative" : "paper");
-    uint64_t hash = 0;
-    for (int p = 0; p < PATHS; p++) {
-      if (!kernels_named(path_names[p])) continue;
-      setenv("SLIPDISK_PATH", path_names[p], 1);
-      sd_simulation *sim = begin_run(model, 1);
-      assert_string_equal(sd_simulation_path(sim), path_names[p]);
-      advance(sim, 3000);
-      uint64_t now = sd_state_hash(sd_simulation_state(sim));
-      if (p == 0) hash = now;
-      assert_int_equal(now, hash);
-      sd_simulation_free(sim);
-    }
-    unsetenv("SLIPDISK_PATH");
-    sd_model_free(model);
-  }
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(philox_is_random123s),
@@ -421,8 +365,6 @@ int main(void) {
       cmocka_unit_test(tails_are_normal),
       cmocka_unit_test(numbers_of_a_block_are_independent),
       cmocka_unit_test(streams_are_independent),
-      cmocka_unit_test(oscillators_do_not_depend_on_the_path),
-      cmocka_unit_test(runs_do_not_depend_on_the_path),
-  };
+      cmocka_unit_test(oscillators_do_not_depend_on_the_path)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -98,8 +98,7 @@ static void a_built_model_is_that_of_the_deck(void **state) {
   static const char deck[] =
       "integrator = \"verlet\"; dt = 1e-3; seed = 7; time = 2.0; gravity = { g = 10.0; };"
       "materials = ( { name = \"m\"; k_n = 1e4; k_t = 8e3; gamma_n = 2.0; mu = 0.5; } );"
-      "disks = ( { name = \"a\"; x = 0.0; y = 0.51; radius = 0.5; mass = 2.0; vx = 1.0; } "
-      ");"
+      "disks = ( { name = \"a\"; x = 0.0; y = 0.51; radius = 0.5; mass = 2.0; vx = 1.0; } );"
       "walls = ( { name = \"floor\"; type = \"line\"; points = ( (0.0, 0.0), (1.0, 0.0) ); } );"
       "motions = ( { name = \"shake\"; wall = \"floor\"; type = \"random\"; coordinate = \"y\";"
       " amplitude = 0.01; omega = 20.0; damping = 0.5; interval = 10; } );";
@@ -372,46 +371,6 @@ static void a_field_of_no_force_changes_no_bit(void **state) {
   end(plain, m);
 }
 
-/* --- saving, loading, clones ------------------------------------------------------------------------ */
-
-static void saved_and_cloned_ones_go_on_with_the_same_bits(void **state) {
-  (void)state;
-  char path[] = "/tmp/test_library_XXXXXX";
-  int fd = mkstemp(path);
-  assert_true(fd >= 0);
-  close(fd);
-  for (size_t n = 8; n <= 1200; n += 1192) {
-    sd_model *m = heap(n, "gear5");
-    sd_simulation *sim = begin(m, 1), *loaded, *cloned, *remembered;
-    advance(sim, 700);
-    void *data;
-    size_t size;
-    assert_int_equal(sd_simulation_save(sim, path, NULL), SD_OK);
-    assert_int_equal(sd_simulation_save_memory(sim, &data, &size, NULL), SD_OK);
-    assert_int_equal(sd_simulation_clone(sim, &cloned, NULL), SD_OK);
-    advance(sim, 300);
-    assert_int_equal(sd_simulation_load(path, 1, &loaded, NULL), SD_OK);
-    assert_int_equal(sd_simulation_load_memory(data, size, 1, &remembered, NULL), SD_OK);
-    ((char *)data)[size / 2] ^= 1;
-    sd_simulation *damaged;
-    assert_int_equal(sd_simulation_load_memory(data, size, 1, &damaged, NULL), SD_ERROR_IO);
-    assert_null(damaged);
-    sd_free(data);
-    sd_simulation *const others[] = {loaded, cloned, remembered};
-    for (size_t k = 0; k < 3; k++) {
-      assert_int_equal(sd_simulation_step(others[k]), 700);
-      advance(others[k], 300);
-      const sd_field *different =
-          sd_state_difference(sd_simulation_state(sim), sd_simulation_state(others[k]));
-      if (different) fail_msg("%zu disks, way %zu: column %s differs", n, k, different->name);
-      assert_int_equal(sd_model_find(sd_simulation_model(others[k]), "floor"), n);
-      sd_simulation_free(others[k]);
-    }
-    end(sim, m);
-  }
-  unlink(path);
-}
-
 /* --- disks that come and go ------------------------------------------------------------------------- */
 
 static double value_of(const sd_measurement *m, const char *name) {
@@ -533,10 +492,8 @@ int main(void) {
       cmocka_unit_test(a_force_field_gives_the_closed_form),
       cmocka_unit_test(forces_do_not_depend_on_threads_or_restarts),
       cmocka_unit_test(a_field_of_no_force_changes_no_bit),
-      cmocka_unit_test(saved_and_cloned_ones_go_on_with_the_same_bits),
       cmocka_unit_test(a_packing_is_measured),
       cmocka_unit_test(disks_come_and_go),
-      cmocka_unit_test(wrong_disks_are_refused_and_change_nothing),
-  };
+      cmocka_unit_test(wrong_disks_are_refused_and_change_nothing)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -23,16 +23,15 @@ static void supports(text *t) {
            "disks = ( { name = \"top\"; x = 0; y = 0; theta = 3; omega = 200; radius = 1; mass = "
            "0.1; },\n"
            "{ name = \"left\"; x = -1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; },\n"
-           "{ name = \"right\"; x = 1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; } );\n"
-           "motions = ( { disk = \"left\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude "
-           "= 0.2; omega "
-           "= 700; },\n"
+           "{ name = \"right\"; x = 1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; } "
+           ");\n"
+           "motions = ( { disk = \"left\"; coordinate = \"theta\"; type = \"harmonic\"; "
+           "amplitude = 0.2; omega = 700; },\n"
            "{ disk = \"right\"; coordinate = \"theta\"; type = \"velocity\"; velocity = 2e3; },\n"
-           "{ disk = \"right\"; coordinate = \"y\"; type = \"parabolic\"; amplitude = 1e-4; omega "
-           "= 900; } );\n"
-           "measure = { rotation = [\"top\"]; sliding = ( { disk = \"top\"; partners = [\"left\", "
-           "\"right\"]; "
-           "} ); };\n");
+           "{ disk = \"right\"; coordinate = \"y\"; type = \"parabolic\"; amplitude = 1e-4; "
+           "omega = 900; } );\n"
+           "measure = { rotation = [\"top\"]; sliding = ( { disk = \"top\"; partners = "
+           "[\"left\", \"right\"]; } ); };\n");
 }
 
 /* A shaken cup of disks. */
@@ -40,18 +39,15 @@ static void packing(text *t) {
   text_add(t, "dt = 2e-5; gravity = { g = 9.81; };\n" LAW
               "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); density = 3.57; rows = (");
   add_lattice(t, 53, 9, -0.17, 0.03, 0.042, 0.02, 5);
-  text_add(t, "); } );\nwalls = ( { name = \"cup\"; type = \"polyline\"; points = ((-0.3, 0.3), "
-              "(-0.2, 0), (0, "
-              "-0.003), "
-              "(0.2, 0), (0.3, 0.3)); } );\n"
-              "motions = ( { wall = \"cup\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = "
-              "4e-4; frequency = "
-              "90; },\n"
+  text_add(t, "); } );\n"
+              "walls = ( { name = \"cup\"; type = \"polyline\"; points = ((-0.3, 0.3), (-0.2, "
+              "0), (0, -0.003), (0.2, 0), (0.3, 0.3)); } );\n"
+              "motions = ( { wall = \"cup\"; coordinate = \"y\"; type = \"harmonic\"; amplitude "
+              "= 4e-4; frequency = 90; },\n"
               "{ wall = \"cup\"; coordinate = \"theta\"; type = \"harmonic\"; amplitude = 0.4; "
               "frequency = 4; } );\n"
               "measure = { disks = true; rotation = (0, 11); sliding = ( { disk = 2; partners = "
-              "[\"cup\", 3]; } ); "
-              "};\n");
+              "[\"cup\", 3]; } ); };\n");
 }
 
 /* Disks that drift around a periodic box, and one that is driven around it. */
@@ -261,9 +257,8 @@ static void signals_stay_in_phase(void **unused) {
   sd_model *model =
       model_of("dt = 1e-6; steps = 9000000000000000000;\n" LAW
                "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
-               "motions = ( { disk = 0; coordinate = \"x\"; type = \"harmonic\"; amplitude = "
-               "1; omega = 62.831853071795864; "
-               "phase = 0.3; } ); measure = { rotation = (); };\n");
+               "motions = ( { disk = 0; coordinate = \"x\"; type = \"harmonic\"; amplitude = 1; "
+               "omega = 62.831853071795864; phase = 0.3; } ); measure = { rotation = (); };\n");
   const int bits[] = {20, 31, 33, 40, 50};
   for (size_t k = 0; k < sizeof bits / sizeof *bits; k++) {
     int64_t n = (INT64_C(1) << bits[k]) - 100;

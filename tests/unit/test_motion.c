@@ -139,11 +139,9 @@ static void velocity_is_the_derivative(void **unused) {
       ON("x") HARMONIC "ramp = 0.3; }",
       ON("x") VELOCITY "ramp = 0.7; }," ON("x") HARMONIC "ramp = 0.1; }",
       ON("theta") "type = \"table\"; times = (0, 0.1, 0.25, 0.3, 1.2); values = (0, 1, -1, 2, "
-                  "1.5); factor = "
-                  "0.3; }",
+                  "1.5); factor = 0.3; }",
       ON("theta") "type = \"table\"; times = (0, 0.1, 0.25, 0.3); values = (1, 1.2, -1, 1); "
-                  "periodic = true; "
-                  "ramp = 0.2; }",
+                  "periodic = true; ramp = 0.2; }",
       ON("x") "type = \"random\"; amplitude = 0.1; omega = 10; interval = 128; ramp = 0.5; }",
   };
   for (size_t d = 0; d < sizeof decks / sizeof *decks; d++) {
@@ -477,9 +475,8 @@ static void a_floor_may_leave_its_periodic_box(void **unused) {
         "walls = ( { name = \"floor\"; type = \"line\"; pivot = (0.25, 0); points = ((0, 0), (1, "
         "0)); } );\n");
     text_add(&t,
-             "motions = ( { wall = \"floor\"; coordinate = \"x\"; type = \"velocity\"; velocity = "
-             "%g; } ); "
-             "steps = 100000;\n",
+             "motions = ( { wall = \"floor\"; coordinate = \"x\"; type = \"velocity\"; velocity "
+             "= %g; } ); steps = 100000;\n",
              speeds[c]);
     sd_model *model = model_of(t.s);
     sd_simulation *sim = begin_run(model, 1);

@@ -258,9 +258,8 @@ static void test_fraction(void **state) {
     snprintf(
         text, sizeof text,
         HEAD
-        "%s packings = ( { type = \"random\"; fraction = 0.4; sizes = \"powerlaw\"; exponent = 3; "
-        "lower = 0.1; "
-        "upper = 0.5; mass = 3; } );",
+        "%s packings = ( { type = \"random\"; fraction = 0.4; sizes = \"powerlaw\"; exponent = "
+        "3; lower = 0.1; upper = 0.5; mass = 3; } );",
         row[k].text);
     m = good(text);
     assert_true(fabs(area_of(m) - 0.4 * row[k].area) <= M_PI * 0.25 / 2);
@@ -335,27 +334,18 @@ static bool same_disks(const sd_model *a, const sd_model *b) {
 /* One of each, with sizes of each kind; two alike. */
 static const char *const mixed = HEAD
     "container = { type = \"bed\"; width = 10; height = 20; radius = 0.3; };\n"
-    "packings = ( { type = \"triangular\"; y = (0, 2); jitter = 0.5; sizes = \"uniform\"; lower = "
-    "0.2; "
-    "upper = 0.3; "
-    "density = 1; },"
+    "packings = ( { type = \"triangular\"; y = (0, 2); jitter = 0.5; sizes = \"uniform\"; lower "
+    "= 0.2; upper = 0.3; density = 1; },"
     "  { type = \"square\"; y = (2, 4); jitter = 0.5; sizes = \"gaussian\"; radius = 0.25; "
-    "deviation = "
-    "0.02; mass = 1; },"
+    "deviation = 0.02; mass = 1; },"
     "  { type = \"random\"; y = (4, 8); fraction = 0.3; sizes = \"lognormal\"; radius = 0.25; "
-    "deviation "
-    "= 0.2; "
-    "density = 1; },"
+    "deviation = 0.2; density = 1; },"
     "  { type = \"random\"; y = (8, 12); fraction = 0.3; sizes = \"lognormal\"; radius = 0.25; "
-    "deviation = 0.2; "
-    "density = 1; },"
-    "  { type = \"front\"; y = (12, 16); sizes = \"powerlaw\"; exponent = 2.2; lower = 0.1; upper "
-    "= "
-    "0.4; density = 1; },"
+    "deviation = 0.2; density = 1; },"
+    "  { type = \"front\"; y = (12, 16); sizes = \"powerlaw\"; exponent = 2.2; lower = 0.1; "
+    "upper = 0.4; density = 1; },"
     "  { type = \"rain\"; count = 40; y = (16, 20); sizes = \"list\"; radii = (0.1, 0.2, 0.3); "
-    "weights "
-    "= (3, 2, 1); "
-    "density = 1; } );\n";
+    "weights = (3, 2, 1); density = 1; } );\n";
 
 static void test_echo(void **state) {
   (void)state;
@@ -389,8 +379,7 @@ static void test_seed(void **state) {
   sd_model_free(m);
   /* two packings that say the same differ: their numbers are part of the seed */
   m = good(HEAD BOX "packings = ( { type = \"random\"; count = 50; sizes = \"uniform\"; lower = "
-                    "0.1; upper = 0.2; "
-                    "mass = 1; },"
+                    "0.1; upper = 0.2; mass = 1; },"
                     "{ type = \"random\"; count = 50; sizes = \"uniform\"; lower = 0.1; upper = "
                     "0.2; mass = 1; } );");
   assert_true(m->disks[0].radius != m->disks[50].radius);
@@ -431,8 +420,7 @@ static void test_container_mistakes(void **state) {
       "box.periodic = \"y\": given together with container \"channel\", which is periodic in x");
   refused(CONTAINER("type = \"bag\"; width = 10;"),
           "container.type = \"bag\": expected one of \"box\", \"channel\", \"bed\", \"hopper\", "
-          "\"drum\", "
-          "\"periodic\"; did you mean \"box\"?");
+          "\"drum\", \"periodic\"; did you mean \"box\"?");
   refused(CONTAINER("type = \"box\"; width = 10;"),
           "container.height: missing: type \"box\" needs it (inner height)");
   refused(CONTAINER("type = \"box\"; width = 10; height = -1;"),
@@ -474,13 +462,11 @@ static void test_what_cannot_fit(void **state) {
   (void)state;
   refused(
       HEAD BOX PACKING("type = \"random\"; count = 1000; " MONO),
-      "packings[0]: 1000 disks of area 196.35 in all in a region of area 80: a packing fraction of "
-      "2.454; expected "
-      "at most 0.9069");
+      "packings[0]: 1000 disks of area 196.35 in all in a region of area 80: a packing fraction "
+      "of 2.454; expected at most 0.9069");
   refused(HEAD BOX PACKING("type = \"random\"; fraction = 0.95; " MONO),
-          "packings[0].fraction = 0.95: more than the densest packing of equal disks has; expected "
-          "at most "
-          "0.9069");
+          "packings[0].fraction = 0.95: more than the densest packing of equal disks has; "
+          "expected at most 0.9069");
   refused(HEAD BOX PACKING("type = \"random\"; fraction = 1.5; " MONO),
           "packings[0].fraction = 1.5: expected a number > 0 and <= 1");
   refused(HEAD BOX PACKING("type = \"random\"; fraction = 1e-4; " MONO),
@@ -499,9 +485,8 @@ static void test_what_cannot_fit(void **state) {
           "packings[0]: 1e+09 disks; expected at most 200000000");
   refused(
       HEAD BOX PACKING("type = \"rain\"; count = 400; " MONO),
-      "packings[0]: 400 disks of area 78.5398 in all in a region of area 80: a packing fraction of "
-      "0.9817; expected "
-      "at most 0.9069");
+      "packings[0]: 400 disks of area 78.5398 in all in a region of area 80: a packing fraction "
+      "of 0.9817; expected at most 0.9069");
   refused(HEAD BOX "disks = ( { x = 0; y = 4; radius = 3.9; mass = 1; } );" PACKING(
               "type = \"front\"; x = (-1, 1); y = (3, 5); " MONO),
           "packings[0]: the front found no place for a disk in the region");
@@ -515,10 +500,8 @@ static void test_generators_that_end(void **state) {
   assert_null(load(HEAD BOX PACKING("type = \"random\"; fraction = 0.6; " MONO), NULL, NULL));
   assert_int_equal(sscanf(sd_messages_text(messages, 0),
                           "test.cfg:%*d: packings[0].fraction = 0.6: random placement found no "
-                          "room for more than %zu of "
-                          "%zu disks, a fraction of %lf of the region where %lf was asked for; "
-                          "expected less, or type "
-                          "\"front\"",
+                          "room for more than %zu of %zu disks, a fraction of %lf of the region "
+                          "where %lf was asked for; expected less, or type \"front\"",
                           &placed, &all, &fraction, &asked),
                    4);
   assert_int_equal(all, 244); /* 0.6 * 80/(pi/16) */
@@ -527,9 +510,8 @@ static void test_generators_that_end(void **state) {
   assert_true(fraction > 0.46 && fraction < 0.55);
   assert_null(load(HEAD BOX PACKING("type = \"front\"; count = 360; " MONO), NULL, NULL));
   assert_int_equal(sscanf(sd_messages_text(messages, 0),
-                          "test.cfg:%*d: packings[0].count = 360: the front has filled the region "
-                          "with %zu disks, a "
-                          "fraction of %lf",
+                          "test.cfg:%*d: packings[0].count = 360: the front has filled the "
+                          "region with %zu disks, a fraction of %lf",
                           &placed, &fraction),
                    2);
   assert_true(fabs(fraction - placed * M_PI / 16 / 80) < 5e-4 && fraction > 0.78);
@@ -572,9 +554,7 @@ static void test_size_mistakes(void **state) {
           "packings[0].lower = 1: does not belong to sizes \"mono\"");
   refused(RANDOM("sizes = \"normal\"; radius = 1;"),
           "packings[0].sizes = \"normal\": expected one of \"mono\", \"list\", \"uniform\", "
-          "\"gaussian\", "
-          "\"lognormal\", "
-          "\"powerlaw\"; did you mean \"gaussian\"?");
+          "\"gaussian\", \"lognormal\", \"powerlaw\"; did you mean \"gaussian\"?");
   refused(RANDOM("sizes = \"uniform\"; lower = 0.3; upper = 0.2;"),
           "packings[0].upper = 0.2: expected more than lower, 0.3");
   refused(RANDOM("sizes = \"powerlaw\"; exponent = 2; lower = 0.2; upper = 0.2;"),
@@ -633,18 +613,15 @@ static void test_tile_mistakes(void **state) {
   refused(HEAD BOX PACKING("type = \"front\"; count = 3; tiles = 4; " MONO),
           "packings[0].tiles = 4: expected at most one for each of the 3 disks");
   refused(HEAD BOX PACKING("type = \"front\"; count = 50; tiles = 30; " MONO),
-          "packings[0].tiles = 30: each is 0.333333 wide; expected fewer, so that a disk of radius "
-          "0.25 fits "
-          "between their edges");
+          "packings[0].tiles = 30: each is 0.333333 wide; expected fewer, so that a disk of "
+          "radius 0.25 fits between their edges");
   refused(HEAD BOX PACKING("type = \"rain\"; count = 50; tiles = 51; " MONO),
           "packings[0].tiles = 51: expected at most one for each of the 50 disks");
   refused(HEAD BOX PACKING("type = \"square\"; count = 50; tiles = 2; jitter = 1.1; " MONO),
           "packings[0].jitter = 1.1: expected at most 1; beyond it disks could overlap");
   refused(HEAD BOX PACKING("type = \"square\"; count = 20; tiles = 3; y = (0, 0.6); " MONO),
           "packings[0].count = 20: tile 0 of 3 holds 6 disks only, where 7 were asked for; "
-          "expected fewer "
-          "disks or "
-          "a larger region");
+          "expected fewer disks or a larger region");
 }
 
 static void test_rain_mistakes(void **state) {

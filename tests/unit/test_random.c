@@ -136,8 +136,7 @@ static sd_model *shaken(int n, double omega, double damping, double dt, int inte
   text t = {0};
   text_add(&t, "dt = %.17g; seed = 4711; materials = ( { name = \"m\"; k_n = 1e3; } );\n", dt);
   text_add(&t, "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); mass = 1; fixed = true; "
-               "group = \"g\"; "
-               "rows = (");
+               "group = \"g\"; rows = (");
   for (int k = 0; k < n; k++) text_add(&t, "%s(%d, 0, 0.4)", k ? ", " : "", 8 * (k - n / 2));
   text_add(&t, "); }");
   if (company)
@@ -156,8 +155,7 @@ static sd_model *shaken(int n, double omega, double damping, double dt, int inte
         "= 5; },\n");
   text_add(&t,
            "{ name = \"r\"; group = \"g\"; independent = true; coordinate = (\"x\", \"y\", "
-           "\"theta\"); type "
-           "= \"random\";"
+           "\"theta\"); type = \"random\";"
            "amplitude = 2e-3; omega = %.17g; damping = %.17g; interval = %d; }",
            omega, damping, interval);
   if (company)

@@ -23,59 +23,6 @@ typedef struct deck_case {
   const char *name, *text;
 } deck_case;
 
-static const deck_case DECKS[] = {
-    {"free", HEAD PACKING
-     "gravity = { g = 1; }; container = { type = \"box\"; width = 40; height = 20; };\n"
-     "phases = ( { steps = 700; } );"},
-    {"gear",
-     "integrator = \"gear5\"; dt = 5e-4;\n"
-     "materials = ( { name = \"grain\"; k_n = 1e4; k_t = 5e3; gamma_n = 2; mu = 0.4; } );\n" PACKING
-     "gravity = { g = 1; tilt = 0.4; }; box = { x = (0, 12); periodic = \"x\"; };\n"
-     "walls = ( { type = \"line\"; points = ((0, 0), (12, 0)); } );\n"
-     "phases = ( { steps = 900; measure = true; } ); measure = { disks = true; };"},
-    {"compress to a pressure",
-     HEAD PACKING "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
-                  "phases = ( { steps = 1200; compress = { pressure = 20; rate = 0.5; }; }, { "
-                  "steps = 200; } );"},
-    {"compress disks with Hertz' law by modulus",
-     "integrator = \"verlet\"; dt = 1e-3; materials = ( { name = \"grain\"; law = \"hertz\"; "
-     "E_star = 2e4; restitution = 0.5; tangential = \"mindlin\"; poisson = 0.3; mu = 0.4; } "
-     ");\n" PACKING "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
-     "phases = ( { steps = 1200; compress = { pressure = 20; rate = 0.5; }; }, { "
-     "steps = 200; } );"},
-    {"compress to a fraction, relaxing", HEAD PACKING
-     "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; };\n"
-     "phases = ( { steps = 800; relax = true; compress = { fraction = 0.8; rate = 0.2; }; }, { "
-     "steps = 200; } );"},
-    {"relax in a box", HEAD PACKING
-     "gravity = { g = 1; }; container = { type = \"box\"; width = 26; height = 20; };\n"
-     "phases = ( { steps = 500; }, { steps = 600; relax = true; settle = { unbalanced = 1e-3; "
-     "every = "
-     "50; }; }, { steps = 300; } );"},
-    {"lid", HEAD PACKING
-     "gravity = { g = 1; }; box = { x = (0, 12); periodic = \"x\"; };\n"
-     "walls = ( { type = \"line\"; points = ((0, 0), (12, 0)); },\n"
-     "          { name = \"lid\"; type = \"line\"; points = ((0, 14), (12, 14)); } );\n"
-     "motions = ( { name = \"press\"; wall = \"lid\"; coordinate = \"y\"; type = \"servo\"; force "
-     "= -40; "
-     "speed = 1; } );\n"
-     "phases = ( { steps = 1200; settle = { kinetic = 1e-3; every = 100; }; }, { steps = 300; } "
-     ");"},
-    {"too fast at the start, and later", HEAD PACKING
-     "disks = ( { x = 11.6; y = 12.6; radius = 0.3; density = 1; vy = 4; } ); skin = 3.0;\n"
-     "gravity = { g = 60; }; limits = { displacement = 0.01; }; phases = ( { steps = 300; } );"},
-    {"hold and release", HEAD PACKING
-     "disks = ( { name = \"ball\"; x = 6; y = 14; radius = 1; density = 2; fixed = true; },\n"
-     "  { name = \"second\"; x = 2; y = 12.9; radius = 0.4; density = 2; vy = -1; } );\n"
-     "gravity = { g = 1; }; container = { type = \"box\"; width = 40; height = 20; };\n"
-     "phases = ( { steps = 300; }, { steps = 300; release = \"ball\"; hold = \"second\"; },\n"
-     "  { steps = 200; hold = (\"grains\", \"ball\"); release = \"second\"; } );"},
-    {"bounds", HEAD PACKING
-     "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
-     "bounds = { x = (-2, 14); y = (-3, 30); outside = \"remove\"; };\n"
-     "phases = ( { steps = 3000; } );"},
-};
-
 /* --- tests ------------------------------------------------------------------------------------ */
 
 static void same_messages(const sd_messages *a, const sd_messages *b) {
@@ -91,26 +38,6 @@ static void same_runs(const run *a, const run *b, const char *what) {
   assert_non_null(b->end);
   same_states(a->end, b->end, what);
   assert_memory_equal(&a->energy, &b->energy, sizeof a->energy);
-}
-
-static void test_same_bits(void **unused) {
-  (void)unused;
-  static const int size[] = {2, 3, 7};
-  for (size_t d = 0; d < sizeof DECKS / sizeof *DECKS; d++) {
-    run alone = {.deck = DECKS[d].text, .steps = 1000, .threads = 1};
-    go(&alone, 1);
-    assert_int_equal(alone.end->fast_step, strstr(DECKS[d].name, "too fast") ? 0 : -1);
-    for (size_t k = 0; k < sizeof size / sizeof *size; k++) {
-      if (size[k] == 7 && d % 3 != 0) continue; /* threads that wait for each other are slow */
-      char what[100];
-      snprintf(what, sizeof what, "%s, %d ranks", DECKS[d].name, size[k]);
-      run shared = {.deck = DECKS[d].text, .steps = 170 * size[k], .threads = size[k] == 3 ? 3 : 1};
-      go(&shared, size[k]);
-      same_runs(&alone, &shared, what);
-      end(&shared);
-    }
-    end(&alone);
-  }
 }
 
 /* So many disks that one process takes several steps at once, and that the rows of a rank's chunks
@@ -145,9 +72,8 @@ static void test_failures(void **unused) {
       {"no room for rain",
        HEAD "gravity = { g = 1; }; container = { type = \"box\"; width = 12; height = 9; };\n"
             "walls = ( { name = \"roof\"; type = \"line\"; points = ((-6, 9), (6, 9)); } );\n"
-            "packings = ( { type = \"rain\"; count = 120; sizes = \"uniform\"; lower = 0.4; upper "
-            "= 0.5; "
-            "density = 1; } );\n"
+            "packings = ( { type = \"rain\"; count = 120; sizes = \"uniform\"; lower = 0.4; "
+            "upper = 0.5; density = 1; } );\n"
             "phases = ( { steps = 30000; } );"},
       {"out of bounds", HEAD PACKING
        "gravity = { g = 1; }; walls = ( { type = \"line\"; points = ((0, 0), (14, 0)); } );\n"
@@ -176,8 +102,7 @@ static void tell(const char *why) { fprintf(stderr, "a rank fails: %s\n", why); 
 
 int main(void) {
   comm_on_fail(tell);
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_same_bits),
-                                     cmocka_unit_test(test_large_packings),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_large_packings),
                                      cmocka_unit_test(test_failures)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -116,27 +116,6 @@ static void ends_at_the_first_look(void **unused) {
   }
 }
 
-static void same_end_however_it_is_run(void **unused) {
-  (void)unused;
-  /* soon at rest: threads that wait for one another are slow on a busy machine */
-  sd_model *m = pile_model(6, PLENTY, "unbalanced = 1; every = 50;");
-  sd_simulation *whole = begin_run(m, 1), *two = begin_run(m, 2), *cut = begin_run(m, 1);
-  advance(whole, 2 * PLENTY);
-  advance(two, 2 * PLENTY);
-  same_states(sd_simulation_state(whole), sd_simulation_state(two), "two threads");
-  print_message("  %lld steps\n", (long long)sd_simulation_state(whole)->phase_steps[0]);
-  for (int64_t k = 0; !sd_simulation_finished(cut); k++) {
-    advance(cut, 1 + 297 * (k % 13));
-    if (k % 5 == 0) cut = go_on_from_copy(cut, 1);
-    if (k % 7 == 0) assert_int_equal(sd_simulation_rebuild(cut, NULL), SD_OK);
-  }
-  same_states(sd_simulation_state(whole), sd_simulation_state(cut), "cut into pieces");
-  sd_simulation_free(whole);
-  sd_simulation_free(two);
-  sd_simulation_free(cut);
-  sd_model_free(m);
-}
-
 static void one_that_does_not_settle(void **unused) {
   (void)unused;
   sd_model *m = pile_model(16, 700, "kinetic = 1e-8; every = 500;");
@@ -152,12 +131,9 @@ static void one_that_does_not_settle(void **unused) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_disk_in_flight_and_one_at_rest),
-      cmocka_unit_test(without_contacts_nothing_is_balanced),
-      cmocka_unit_test(ends_at_the_first_look),
-      cmocka_unit_test(same_end_however_it_is_run),
-      cmocka_unit_test(one_that_does_not_settle),
-  };
+  const struct CMUnitTest tests[] = {cmocka_unit_test(a_disk_in_flight_and_one_at_rest),
+                                     cmocka_unit_test(without_contacts_nothing_is_balanced),
+                                     cmocka_unit_test(ends_at_the_first_look),
+                                     cmocka_unit_test(one_that_does_not_settle)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

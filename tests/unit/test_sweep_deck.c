@@ -97,8 +97,7 @@ static void test_zipped(void **state) {
   (void)state;
   good("{ parameters = ( { path = \"dt\"; values = (1e-3, 2e-3); zip = \"t\"; },"
        " { path = \"gravity.g\"; values = (1, 2); }, { path = \"steps\"; name = \"n\"; values = "
-       "(20, 10); "
-       "zip = \"t\"; } ); }");
+       "(20, 10); zip = \"t\"; } ); }");
   names_are("dt=0.001,g=1,n=20 dt=0.001,g=2,n=20 dt=0.002,g=1,n=10 dt=0.002,g=2,n=10");
   sd_model *m = model_of("dt=0.002,g=2,n=10");
   assert_true(m->dt == 2e-3 && m->phases[0].steps == 10 && m->gravity[1] == -2);
@@ -191,8 +190,7 @@ static void test_same_numbers(void **state) {
     assert_int_equal(point("g=10")->seed, seed);
   }
   good("{ parameters = ( { path = \"steps\"; name = \"n\"; values = (2e6, 2000000, 5000000000, "
-       "5e9, 0x10); } "
-       "); }");
+       "5e9, 0x10); } ); }");
   names_are("n=2000000 n=5000000000 n=16");
   sd_model *m = model_of("n=5000000000");
   assert_int_equal(m->phases[0].steps, 5000000000);
@@ -221,9 +219,8 @@ static void test_texts(void **state) {
   /* lists, truth, numbers beside texts */
   s = good(
       "{ parameters = ( { path = \"disks.b.locked\"; values = ((), (\"x\", \"y\")); }, { path = "
-      "\"disks.b.fixed\"; values = (true, false); }, { path = \"disks.b.y\"; name = \"y\"; values "
-      "= (1, "
-      "2); } ); }");
+      "\"disks.b.fixed\"; values = (true, false); }, { path = \"disks.b.y\"; name = \"y\"; "
+      "values = (1, 2); } ); }");
   assert_int_equal(s->n_points, 8);
   assert_string_equal(s->points[0].texts[1], "true");
   m = model_of(s->points[6].name);
@@ -232,9 +229,7 @@ static void test_texts(void **state) {
   assert_true(m->disks[1].position[1] == 1);
   sd_model_free(m);
   s = good("{ parameters = ( { path = \"motions.p.phase\"; values = (0, \"1 pi\"); }, { path = "
-           "\"title\"; "
-           "values = "
-           "(1, \"one\"); } ); }");
+           "\"title\"; values = (1, \"one\"); } ); }");
   assert_true(!s->parameters[0].text && s->parameters[1].text);
 }
 
@@ -276,10 +271,9 @@ static void test_names(void **state) {
   (void)state;
   const deck_sweep *s =
       good("{ parameters = ( { path = \"motions.p.amplitude\"; values = (1); }, { path = "
-           "\"motions.q.amplitude\"; values "
-           "= (1); }, { path = \"motions[0].omega\"; values = (1); }, { path = "
-           "\"phases[0].steps\"; values = (10); }, { "
-           "path = \"gravity.tilt\"; name = \"q\"; values = (0); } ); }");
+           "\"motions.q.amplitude\"; values = (1); }, { path = \"motions[0].omega\"; values = "
+           "(1); }, { path = \"phases[0].steps\"; values = (10); }, { path = \"gravity.tilt\"; "
+           "name = \"q\"; values = (0); } ); }");
   static const char *const wanted[] = {"amplitude", "q.amplitude", "omega", "phases0.steps", "q"};
   for (size_t k = 0; k < 5; k++) assert_string_equal(s->parameters[k].name, wanted[k]);
 }
@@ -289,8 +283,7 @@ static void test_names(void **state) {
 static void test_seeds(void **state) {
   (void)state;
   good("{ parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
-       "values = (0, "
-       "1); } ); }");
+       "values = (0, 1); } ); }");
   int64_t seed = point("g=2,tilt=1")->seed;
   /* it is what the model gets, and whatever it is it is a positive number that a double holds */
   assert_in_range(seed, 1, INT64_C(1) << 53);
@@ -300,23 +293,17 @@ static void test_seeds(void **state) {
   static const char *const grown[] = {
       /* more values, in another order; replicas; another grid, before and behind; names; zip */
       "{ parameters = ( { path = \"gravity.g\"; values = (3, 2, 1.5, 1); }, { path = "
-      "\"gravity.tilt\"; "
-      "values = (1, 0); } ); }",
+      "\"gravity.tilt\"; values = (1, 0); } ); }",
       "{ parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
-      "values = (0, "
-      "1); } ); "
-      "replicas = 7; }",
+      "values = (0, 1); } ); replicas = 7; }",
       "( { parameters = ( { path = \"skin\"; values = (1, 2); } ); }, { parameters = ( { path = "
       "\"gravity.g\"; values = "
       "(1, 2); }, { path = \"gravity.tilt\"; values = (0, 1); } ); }, { replicas = 2; } )",
       "{ parameters = ( { path = \"gravity.g\"; values = (1, 2); zip = \"a\"; }, { path = "
-      "\"gravity.tilt\"; "
-      "values = (0, "
-      "1); zip = \"a\"; } ); collect = \"work\"; }",
+      "\"gravity.tilt\"; values = (0, 1); zip = \"a\"; } ); collect = \"work\"; }",
       "( { parameters = ( { path = \"seed\"; name = \"noise\"; values = (1, 2); } ); }, { "
-      "parameters = ( { "
-      "path = "
-      "\"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; values = (0, 1); } ); } )",
+      "parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
+      "values = (0, 1); } ); } )",
   };
   for (size_t k = 0; k < sizeof grown / sizeof *grown; k++) {
     good(grown[k]);
@@ -353,10 +340,8 @@ static void test_base_seed(void **state) {
 
 static void test_swept_seed(void **state) {
   (void)state;
-  good("{ parameters = ( { path = \"seed\"; name = \"noise\"; values = (7, 8.0, 9007199254740993); "
-       "}, { path "
-       "= "
-       "\"gravity.g\"; values = (1, 2); } ); }");
+  good("{ parameters = ( { path = \"seed\"; name = \"noise\"; values = (7, 8.0, "
+       "9007199254740993); }, { path = \"gravity.g\"; values = (1, 2); } ); }");
   names_are("noise=7,g=1 noise=7,g=2 noise=8,g=1 noise=8,g=2 noise=9007199254740993,g=1 "
             "noise=9007199254740993,g=2");
   assert_int_equal(point("noise=8,g=2")->seed, 8);
@@ -407,9 +392,8 @@ static void test_overrides(void **state) {
                       "-D motions[*].amplitude=3: the sweep sets this key; it counts for points "
                       "that do not set it");
   assert_string_equal(sd_messages_text(messages, 1),
-                      "-D motions[0].acceleration=2: the sweep sets a key "
-                      "that takes this one away; it counts for points that "
-                      "do not set it");
+                      "-D motions[0].acceleration=2: the sweep sets a key that takes this one "
+                      "away; it counts for points that do not set it");
   /* a parameter goes by its name in the table */
   const char *const named[] = {"sweep.parameters.eps.values=(3)",
                                "sweep.parameters.tilt.values=(1, 2)"};
@@ -534,35 +518,28 @@ static void test_mistakes(void **state) {
   bad(ONE("path = \"dt\"; values = (1); zip = 1;"),
       "sweep.parameters[0].zip = 1: expected a text in quotes");
   bad(ONE("path = \"seed\"; values = (1);"),
-      "deck.cfg:2: sweep.parameters[0].name: missing: \"seed\" cannot "
-      "be taken from the path (the tables of results have "
-      "a column of this name); expected a name");
+      "deck.cfg:2: sweep.parameters[0].name: missing: \"seed\" cannot be taken from the path "
+      "(the tables of results have a column of this name); expected a name");
   bad(ONE("path = \"dt\"; name = \"status\"; values = (1);"),
       "sweep.parameters[0].name = \"status\": the tables of results have a column of this name; "
-      "expected "
-      "another");
+      "expected another");
   bad(ONE("path = \"dt\"; name = \"a.omega\"; values = (1);"), "have a column of this name");
-  bad("{ parameters = ( { path = \"dt\"; name = \"a\"; values = (1); },\n{ path = \"skin\"; name = "
-      "\"a\"; "
-      "values = (1); } ); }",
+  bad("{ parameters = ( { path = \"dt\"; name = \"a\"; values = (1); },\n"
+      "{ path = \"skin\"; name = \"a\"; values = (1); } ); }",
       "deck.cfg:3: sweep.parameters[1].name = \"a\": another parameter has this name; expected "
       "another");
   bad("( { replicas = 2; }, { collect = (1); } )",
       "sweep[1].collect[0] = 1: expected the name of a column");
-  bad("( { parameters = ( { path = \"dt\"; values = (1); },\n{ path = \"skin\"; name = \"dt\"; "
-      "values = (1); "
-      "} ); } )",
+  bad("( { parameters = ( { path = \"dt\"; values = (1); },\n"
+      "{ path = \"skin\"; name = \"dt\"; values = (1); } ); } )",
       "deck.cfg:2: sweep[0].parameters[0].name: missing: \"dt\" cannot be taken from the path "
       "(another");
-  bad("{ parameters = ( { path = \"dt\"; values = (1, 2); zip = \"z\"; },\n{ path = \"skin\"; "
-      "values = (1); "
-      "zip = "
-      "\"z\"; } ); }",
+  bad("{ parameters = ( { path = \"dt\"; values = (1, 2); zip = \"z\"; },\n"
+      "{ path = \"skin\"; values = (1); zip = \"z\"; } ); }",
       "deck.cfg:3: sweep.parameters[1].zip = \"z\": 1 values here, and 2 in the parameter before "
       "it");
-  bad("{ parameters = ( { path = \"dt\"; values = (1, 2); },\n{ path = [\"skin\", \"dt\"]; values "
-      "= (1); } "
-      "); }",
+  bad("{ parameters = ( { path = \"dt\"; values = (1, 2); },\n"
+      "{ path = [\"skin\", \"dt\"]; values = (1); } ); }",
       "deck.cfg:3: sweep.parameters[1].path = (\"skin\", \"dt\"): dt is set by another parameter "
       "already");
   bad("( { replicas = 2; }, { parameters = ( { path = \"seed\"; name = \"n\"; values = (1); } "
@@ -570,9 +547,8 @@ static void test_mistakes(void **state) {
       "2; } )",
       "deck.cfg:3: sweep[1].replicas = 2: a parameter sets the seed; expected either this or "
       "replicas");
-  bad("{ parameters = ( { path = \"dt\"; linspace = (1, 2, 1001); }, { path = \"skin\"; linspace = "
-      "(1, 2, "
-      "1000); } ); }",
+  bad("{ parameters = ( { path = \"dt\"; linspace = (1, 2, 1001); }, { path = \"skin\"; linspace "
+      "= (1, 2, 1000); } ); }",
       "more than 1000000 points");
 }
 
@@ -584,9 +560,8 @@ static void test_same_keys(void **state) {
   "; name = \"two\"; values = (3); } ); }"
   bad(TWO("\"dt\"", "\"dt \""), "dt  is set by another parameter already, as dt (");
   bad(TWO("\"motions[*].amplitude\"", "\"motions.q.amplitude\""),
-      "deck.cfg:3: sweep.parameters[1].path = \"motions.q.amplitude\": motions.q.amplitude is set "
-      "by another "
-      "parameter already, as motions[*].amplitude (");
+      "deck.cfg:3: sweep.parameters[1].path = \"motions.q.amplitude\": motions.q.amplitude is "
+      "set by another parameter already, as motions[*].amplitude (");
   expect_message("deck.cfg:2)");
   bad(TWO("\"motions.q.amplitude\"", "\"motions.[1].amplitude\""),
       "already, as motions.q.amplitude (");
@@ -603,18 +578,14 @@ static void test_same_keys(void **state) {
 #undef TWO
   /* what only looks alike is apart */
   assert_int_equal(
-      load(
-          HEAD
-          "sweep = ( { parameters = ( { path = \"motions[0].amplitude\"; values = (1); }, { path = "
-          "\"motions[1].amplitude\"; values = (1); }, { path = \"motions.p.omega\"; values = (1); "
-          "}, { "
-          "path = [\"motions.q.frequency\", \"motions[1].frequency\"]; values = (1); }, { path = "
-          "\"motions.r.amplitude\"; name = \"u\"; values = (1); }, { path = \"phases.a.steps\"; "
-          "name = "
-          "\"s\"; values = (1); } ); }, { parameters = ( { path = \"motions[*].acceleration\"; "
-          "values = "
-          "(1); }); } );\n" TAIL,
-          0, NULL),
+      load(HEAD
+           "sweep = ( { parameters = ( { path = \"motions[0].amplitude\"; values = (1); }, { path "
+           "= \"motions[1].amplitude\"; values = (1); }, { path = \"motions.p.omega\"; values = "
+           "(1); }, { path = [\"motions.q.frequency\", \"motions[1].frequency\"]; values = (1); "
+           "}, { path = \"motions.r.amplitude\"; name = \"u\"; values = (1); }, { path = "
+           "\"phases.a.steps\"; name = \"s\"; values = (1); } ); }, { parameters = ( { path = "
+           "\"motions[*].acceleration\"; values = (1); }); } );\n" TAIL,
+           0, NULL),
       SD_OK);
 }
 
@@ -664,8 +635,7 @@ static void test_points(void **state) {
       4);
   count_is(1);
   expect_message("deck.cfg:4: max_overlap = 7: expected a number > 0 and <= 1 (point 2, "
-                 "skin=1,max_overlap=7, and "
-                 "others: 2 of 6 sets of values)");
+                 "skin=1,max_overlap=7, and others: 2 of 6 sets of values)");
   assert_int_equal(checked("{ parameters = ( { path = \"max_overlap\"; values = (0.5, 7); } ); }"),
                    1);
   expect_message(
@@ -738,14 +708,13 @@ static void test_places(void **state) {
 static void test_damaged(void **state) {
   (void)state;
   static const char whole[] =
-      HEAD "sweep = ( { parameters = ( { path = \"gravity.tilt\"; name = \"tilt\"; "
-           "values = (0, \"0.02 pi\", 1e-3); zip = \"z\"; },\n"
-           "{ path = [\"skin\", \"disks[*].mass\"]; linspace = (1, 2, 3); zip = "
-           "\"z\"; } ); replicas = 2; collect = \"work\"; },\n"
-           "{ parameters = ( { path = \"seed\"; name = \"noise\"; values = (3, 4); "
-           "}, { path = \"motions.p.type\"; values = "
-           "(\"harmonic\", (1, \"a\"), true); }, { path = \"gravity.g\"; logspace = "
-           "(1, \"9\", 2); } ); } );\n" TAIL;
+      HEAD "sweep = ( { parameters = ( { path = \"gravity.tilt\"; name = \"tilt\"; values = (0, "
+           "\"0.02 pi\", 1e-3); zip = \"z\"; },\n"
+           "{ path = [\"skin\", \"disks[*].mass\"]; linspace = (1, 2, 3); zip = \"z\"; } ); "
+           "replicas = 2; collect = \"work\"; },\n"
+           "{ parameters = ( { path = \"seed\"; name = \"noise\"; values = (3, 4); }, { path = "
+           "\"motions.p.type\"; values = (\"harmonic\", (1, \"a\"), true); }, { path = "
+           "\"gravity.g\"; logspace = (1, \"9\", 2); } ); } );\n" TAIL;
   static const char *const pieces[] = {"(", ")",  "{", "}", "\"",    ";",    "=", ",",
                                        "0", "-1", "[", "]", "sweep", "1e99", "."};
   const size_t first = sizeof HEAD - 1, n = sizeof whole - sizeof TAIL - first;

@@ -116,16 +116,6 @@ static void gases_do_not_depend_on_the_threads(void **unused) {
   }
 }
 
-static void small_packings_do_not_depend_on_the_threads(void **unused) {
-  (void)unused;
-  const int threads[] = {1, 2, 5}, sizes[] = {2, 3, 7, 8, 9, 17};
-  for (int c = 0; c < 12; c++) {
-    sd_model *model = packing(sizes[c / 2], 9, c & 1 ? "verlet" : "gear5", false);
-    compare(model, 2000, threads, 3, sizes[c / 2] > 6, "a few disks");
-    sd_model_free(model);
-  }
-}
-
 /* Fewer threads than asked for, as under a limit: all disks are moved all the same. */
 static void fewer_threads_than_asked_for_do_all_the_work(void **unused) {
   (void)unused;
@@ -210,31 +200,11 @@ static void tasks_within_tasks_are_done_by_all(void **unused) {
   }
 }
 
-/* Resumed on another number of threads, again and again. */
-static void threads_may_change_on_the_way(void **unused) {
-  (void)unused;
-  sd_model *model = packing(301, 25, "gear5", false);
-  sd_simulation *a = begin_run(model, 1), *b = begin_run(model, 3);
-  for (int k = 0; k < 6; k++) {
-    advance(a, 60);
-    advance(b, 60);
-    b = go_on_from_copy(b, 1 + k % 4);
-  }
-  same_states(sd_simulation_state(a), sd_simulation_state(b), "threads that change");
-  sd_simulation_free(a);
-  sd_simulation_free(b);
-  sd_model_free(model);
-}
-
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(large_packings_do_not_depend_on_the_threads),
-      cmocka_unit_test(gases_do_not_depend_on_the_threads),
-      cmocka_unit_test(small_packings_do_not_depend_on_the_threads),
-      cmocka_unit_test(fewer_threads_than_asked_for_do_all_the_work),
-      cmocka_unit_test(threads_beside_others_get_on),
-      cmocka_unit_test(tasks_within_tasks_are_done_by_all),
-      cmocka_unit_test(threads_may_change_on_the_way),
-  };
+  const struct CMUnitTest tests[] = {cmocka_unit_test(large_packings_do_not_depend_on_the_threads),
+                                     cmocka_unit_test(gases_do_not_depend_on_the_threads),
+                                     cmocka_unit_test(fewer_threads_than_asked_for_do_all_the_work),
+                                     cmocka_unit_test(threads_beside_others_get_on),
+                                     cmocka_unit_test(tasks_within_tasks_are_done_by_all)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

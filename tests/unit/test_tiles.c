@@ -42,8 +42,7 @@ static void test_tiles_of_ranks(void **state) {
       "fields = ( { type = \"drag\"; gamma = 300; } );",
       "measure = { disks = true; };",
       "walls = ( { type = \"segment\"; points = ((-30, 50), (0, 50)); }, { type = \"segment\"; "
-      "points = "
-      "((-10, 50), (-10, 55)); } );",
+      "points = ((-10, 50), (-10, 55)); } );",
   };
   for (size_t k = 0; k < sizeof more / sizeof *more; k++) {
     char text[4096];

@@ -124,28 +124,6 @@ static void goal_of_a_state(void **unused) {
 
 static const char shaken[] = SHAKEN("3001", "until = { error = 0.006; max_time = 20; };");
 
-/* The same several times side by side: too many bodies for the step of few disks, and work for threads. */
-static void many_shaken(text *t) {
-  enum { COPIES = 8 };
-  text_add(t, "dt = 2e-5; gravity = { g = 10; tilt = 0.1; }; materials = ( { name = \"a\"; k_n = "
-              "1e4; k_t = 5e3; "
-              "gamma_n = 2; mu = 0.4; } );\ndisks = (");
-  for (int k = 0; k < COPIES; k++)
-    text_add(t,
-             "%s{ name = \"top.%d\"; x = %d; y = 0; radius = 1; mass = 0.1; },\n"
-             "{ group = \"s\"; x = %d; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; },\n"
-             "{ group = \"s\"; x = %d; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; }",
-             k ? ",\n" : "", k, 5 * k, 5 * k - 1, 5 * k + 1);
-  text_add(t, ");\nmotions = ( { group = \"s\"; coordinate = (\"x\", \"y\"); type = \"random\"; "
-              "independent = "
-              "true; amplitude = 2e-5; omega = 300; },\n"
-              "{ group = \"s\"; coordinate = \"theta\"; type = \"random\"; independent = true; "
-              "amplitude = 3e-4; "
-              "omega = 500; } );\n"
-              "phases = ( { steps = 700; }, { steps = 3001; } );\n"
-              "until = { observable = \"top.5.scaled\"; error = 0.006; max_time = 4; };\n");
-}
-
 static int64_t step_of(sd_simulation *sim) { return sd_simulation_state(sim)->step; }
 
 /* Runs to the end in one go. */
@@ -196,48 +174,6 @@ static void ends_at_the_first_good_look(void **unused) {
   sd_model_free(fixed);
   sd_state_free(end);
   sd_model_free(model);
-}
-
-/* Pieces short and long, and up to a look exactly, each with a copy of the state; short ones on two threads. */
-static void in_pieces(const sd_model *model, const sd_state *end, bool threads) {
-  uint64_t seed = 11;
-  sd_simulation *sim = begin_run(model, 1);
-  int64_t start = sd_model_steps(model) - model->phases[1].steps;
-  for (int piece = 0; !sd_simulation_finished(sim); piece++) {
-    int64_t n = 1 + (int64_t)(next_bits(&seed) % (piece % 3 ? 9000 : 30)), done = step_of(sim);
-    if (piece % 5 == 0 && done >= start) n = sd_goal_look(model, done - start) - (done - start);
-    sim = go_on_from_copy(sim, threads && n < 300 ? 2 : 1);
-    advance(sim, n);
-  }
-  same_states(sd_simulation_state(sim), end, "in pieces");
-  sd_simulation_free(sim);
-}
-
-static void ends_at_the_same_step_in_pieces(void **unused) {
-  (void)unused;
-  text t = {0};
-  many_shaken(&t);
-  const char *decks[] = {shaken, t.s};
-  for (int k = 0; k < 2; k++) {
-    sd_model *model = model_of(decks[k]);
-    sd_state *end = whole_run(model, 1);
-    assert_true(sd_goal_of(model, end).reached && end->step < sd_model_steps(model));
-    print_message("  deck %d ends at step %lld of %lld\n", k, (long long)end->step,
-                  (long long)sd_model_steps(model));
-    in_pieces(model, end, k == 1);
-
-    /* the last steps and the last look on two threads */
-    sd_simulation *sim = begin_run(model, 1);
-    advance(sim, end->step - 100);
-    sim = go_on_from_copy(sim, 2);
-    advance(sim, INT64_MAX);
-    assert_true(sd_simulation_finished(sim));
-    same_states(sd_simulation_state(sim), end, "two threads");
-    sd_simulation_free(sim);
-    sd_state_free(end);
-    sd_model_free(model);
-  }
-  free(t.s);
 }
 
 static void gives_up_at_max_time(void **unused) {
@@ -325,14 +261,12 @@ static void decks_are_refused(void **unused) {
       {SHAKEN("9; measure = false", "until = { error = 1; max_time = 1; };"),
        "the last phase does not measure"},
       {"dt = 1; time = 9; materials = ( { name = \"a\"; k_n = 1; } ); disks = ( { x = 0; y = 0; "
-       "radius = 1; "
-       "mass "
-       "= 1; } ); measure = { rotation = (); }; until = { error = 1; max_time = 10; };",
+       "radius = 1; mass = 1; } ); measure = { rotation = (); }; until = { error = 1; max_time = "
+       "10; };",
        "no disk is watched"},
       {"dt = 1; time = 9; materials = ( { name = \"a\"; k_n = 1; } ); disks = ( { x = 0; y = 0; "
-       "radius = 1; "
-       "mass "
-       "= 1; } ); until = { observable = \"0.scaled\"; error = 1; max_time = 10; };",
+       "radius = 1; mass = 1; } ); until = { observable = \"0.scaled\"; error = 1; max_time = "
+       "10; };",
        "does not exist without gravity"},
   };
   for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
@@ -405,16 +339,13 @@ static void means_are_biased_little(void **unused) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(looks_are_few),
-      cmocka_unit_test(goal_of_a_state),
-      cmocka_unit_test(ends_at_the_first_good_look),
-      cmocka_unit_test(ends_at_the_same_step_in_pieces),
-      cmocka_unit_test(gives_up_at_max_time),
-      cmocka_unit_test(decks_say_it),
-      cmocka_unit_test(decks_are_refused),
-      cmocka_unit_test(models_are_refused),
-      cmocka_unit_test(means_are_biased_little),
-  };
+  const struct CMUnitTest tests[] = {cmocka_unit_test(looks_are_few),
+                                     cmocka_unit_test(goal_of_a_state),
+                                     cmocka_unit_test(ends_at_the_first_good_look),
+                                     cmocka_unit_test(gives_up_at_max_time),
+                                     cmocka_unit_test(decks_say_it),
+                                     cmocka_unit_test(decks_are_refused),
+                                     cmocka_unit_test(models_are_refused),
+                                     cmocka_unit_test(means_are_biased_little)};
   return cmocka_run_group_tests_name("until", tests, NULL, NULL);
 }

@@ -20,35 +20,28 @@ static const char ratchet[] =
     "{ name = \"top\"; x = 0; y = 0.001; radius = 1; mass = 0.1; },\n"
     "{ name = \"right\"; x = 1; y = -1.7320508; radius = 1; mass = 0.1; fixed = true; } );\n"
     "motions = ( { disk = [\"left\", \"right\"]; coordinate = \"theta\"; type = \"harmonic\"; "
-    "amplitude = "
-    "0.02; omega = 60; },\n"
-    "{ disk = \"left\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 4e-4; omega = 200; } "
-    ");\n"
+    "amplitude = 0.02; omega = 60; },\n"
+    "{ disk = \"left\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 4e-4; omega = 200; "
+    "} );\n"
     "phases = ( { steps = 700; }, { steps = 9000; measure = true; }, { steps = 500; }, { steps = "
-    "30000; "
-    "measure = true; } );\n"
+    "30000; measure = true; } );\n"
     "measure = { rotation = (\"top\", \"left\"); sliding = ( { disk = \"top\"; partners = "
-    "(\"left\", "
-    "\"right\"); }, { disk = \"top\"; partners = (\"right\", \"left\"); } ); };\n";
+    "(\"left\", \"right\"); }, { disk = \"top\"; partners = (\"right\", \"left\"); } ); };\n";
 
 /* A disk hops along a polyline and leans on a circle. */
 static const char hills[] =
     "integrator = \"verlet\"; dt = 2e-5; gravity = { g = 9.81; tilt = -0.2; };\n" LAW
     "disks = ( { name = \"r\"; x = 0; y = 0.0999; radius = 0.1; mass = 1; }, { name = \"s\"; x = "
-    "0.25; y = "
-    "0.12; radius = 0.1; mass = 0.5; } );\n"
-    "walls = ( { name = \"hills\"; type = \"polyline\"; points = ((-1, 0), (0.1, 0), (0.2, 0.005), "
-    "(0.3, 0), "
-    "(0.35, 0), (0.42, 0.05), (1, 0.05)); },\n"
-    "{ name = \"post\"; type = \"circle\"; center = (0.7, 0.2); radius = 0.15; side = \"outside\"; "
-    "} );\n"
+    "0.25; y = 0.12; radius = 0.1; mass = 0.5; } );\n"
+    "walls = ( { name = \"hills\"; type = \"polyline\"; points = ((-1, 0), (0.1, 0), (0.2, "
+    "0.005), (0.3, 0), (0.35, 0), (0.42, 0.05), (1, 0.05)); },\n"
+    "{ name = \"post\"; type = \"circle\"; center = (0.7, 0.2); radius = 0.15; side = "
+    "\"outside\"; } );\n"
     "motions = ( { wall = \"hills\"; coordinate = \"y\"; type = \"harmonic\"; amplitude = 1e-3; "
-    "omega = 300; "
-    "} );\n"
+    "omega = 300; } );\n"
     "phases = ( { steps = 40000; measure = true; } );\n"
     "measure = { rotation = (\"s\", \"r\"); sliding = ( { disk = \"r\"; partners = (\"hills\", "
-    "\"s\"); }, { "
-    "disk = \"s\"; partners = (\"post\", \"hills\"); } ); };\n";
+    "\"s\"); }, { disk = \"s\"; partners = (\"post\", \"hills\"); } ); };\n";
 
 /* What a contact of body d with body q does, from the state's own table of contacts. */
 static int look(const sd_state *s, uint32_t d, uint32_t q, double *force) {

@@ -139,8 +139,7 @@ static double floor_residual(const char *integrator, double dt, const char *wave
   text_add(&t, "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); } );\n");
   text_add(&t,
            "motions = ( { wall = \"floor\"; coordinate = (\"x\", \"y\"); amplitude = 0.002; "
-           "frequency = 5; "
-           "ramp = 0.1; %s } );\n",
+           "frequency = 5; ramp = 0.1; %s } );\n",
            wave);
   sd_model *model = model_of(t.s);
   sd_simulation *sim = begin_run(model, 1);
@@ -168,38 +167,6 @@ static void energy_is_balanced(void **unused) {
       between(coarse, 0, 2e-6, "residual");
       between(fine / coarse, 0, 0.12, "residual with a finer step over that with a coarse one");
     }
-}
-
-/* Two supports that turn under a disk: the small-system step in lanes against the general step. */
-static sd_model *three_disks(const char *wave) {
-  char type[128];
-  snprintf(type, sizeof type, "motions.turn.type=\"%s\"", wave);
-  const char *const set[] = {"phases[0].steps=1000", "phases[1].steps=20000", type,
-                             "motions.turn.rise=0.3"};
-  sd_model *model = NULL;
-  size_t n = strcmp(wave, "square") == 0 ? 4 : 3;
-  assert_int_equal(
-      sd_deck_load(SLIPDISK_SOURCE_DIR "/inputs/three_disk/sync.cfg", n, set, &model, NULL), SD_OK);
-  return model;
-}
-
-static void lanes_have_the_bits_of_the_general_step(void **unused) {
-  (void)unused;
-  const char *const waves[] = {"square", "triangle"};
-  for (int k = 0; k < 2; k++) {
-    sd_model *model = three_disks(waves[k]);
-    sd_simulation *alone = begin_run(model, 1), *general = begin_run(model, 3);
-    advance(alone, 21000);
-    advance(general, 21000);
-    same_states(sd_simulation_state(alone), sd_simulation_state(general), waves[k]);
-    sd_energy energy = sd_simulation_energy(alone);
-    print_message("  three disks, %s: residual/scale %.2g\n", waves[k],
-                  energy.residual / energy.scale);
-    between(fabs(energy.residual / energy.scale), 0, 1e-9, "residual");
-    sd_simulation_free(alone);
-    sd_simulation_free(general);
-    sd_model_free(model);
-  }
 }
 
 /* --- mistakes -------------------------------------------------------------------------------------------- */
@@ -244,8 +211,6 @@ int main(void) {
       cmocka_unit_test(waves_follow_their_formulas),
       cmocka_unit_test(a_square_has_its_acceleration),
       cmocka_unit_test(energy_is_balanced),
-      cmocka_unit_test(lanes_have_the_bits_of_the_general_step),
-      cmocka_unit_test(mistakes_are_told),
-  };
+      cmocka_unit_test(mistakes_are_told)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

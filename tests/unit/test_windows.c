@@ -32,17 +32,14 @@ static const trial trials[] = {
      SHAKE, "", false, false},
     {"random floor and a turning wheel", "integrator = \"gear5\";", LINEAR,
      "motions = ( { name = \"noise\"; wall = \"floor\"; coordinate = \"y\"; type = \"random\"; "
-     "acceleration = 10; frequency "
-     "= 400; damping = 0.5; }, { name = \"turn\"; wall = \"wheel\"; coordinate = \"theta\"; type = "
-     "\"velocity\"; velocity = "
-     "300; } );",
+     "acceleration = 10; frequency = 400; damping = 0.5; }, { name = \"turn\"; wall = \"wheel\"; "
+     "coordinate = \"theta\"; type = \"velocity\"; velocity = 300; } );",
      "{ name = \"wheel\"; type = \"circle\"; center = (0.5, -0.12); radius = 0.12; side = "
      "\"outside\"; }, ",
      false, false},
     {"general laws", "integrator = \"verlet\";",
      "law = \"hertz\"; k_n = 2e5; tangential = \"mindlin\"; k_t = 1e5; restitution = 0.7; mu = "
-     "0.3; mu_kinetic = 0.2; k_r = "
-     "500; mu_r = 0.05; gamma_t = 0.1;",
+     "0.3; mu_kinetic = 0.2; k_r = 500; mu_r = 0.05; gamma_t = 0.1;",
      SHAKE, "", false, false},
     {"nothing moves the walls", "integrator = \"verlet\";", LINEAR, "", "", false, false},
     {"a disk beyond the displacement limit",
@@ -113,32 +110,6 @@ static void windows_have_the_bits_of_single_steps(void **unused) {
   for (size_t k = 0; k < sizeof trials / sizeof *trials; k++) compare(&trials[k]);
 }
 
-static void so_they_have_with_every_coordinate_of_every_kind_of_wall(void **unused) {
-  (void)unused;
-  static const char *const walls[] = {
-      "type = \"line\"; points = ((0, 0), (2, 0)); ",
-      "type = \"segment\"; points = ((-0.1, 0), (1.2, 0)); ",
-      "type = \"polyline\"; points = ((-0.1, 0.01), (0.3, 0), (0.8, 0), (1.2, 0.01)); ",
-      "type = \"arc\"; center = (0.5, -3); radius = 3; from = 1.2; to = 1.9; ",
-      "type = \"circle\"; center = (0.5, -2); radius = 2.001; side = \"outside\"; "};
-  static const char *const moves[] = {
-      "x\"; type = \"velocity\"; velocity = 0.01;",
-      "y\"; type = \"harmonic\"; acceleration = 20; frequency = 400;",
-      "theta\"; type = \"velocity\"; velocity = 0.004;",
-      "surface\"; type = \"velocity\"; velocity = 0.5;",
-  };
-  for (size_t k = 0; k < sizeof walls / sizeof *walls; k++)
-    for (size_t n = 0; n < sizeof moves / sizeof *moves; n++) {
-      char wall[400], motion[400];
-      snprintf(wall, sizeof wall, "{ name = \"base\"; %s}, ", walls[k]);
-      snprintf(motion, sizeof motion,
-               "motions = ( { name = \"move\"; wall = \"base\"; coordinate = \"%s } );", moves[n]);
-      if (strstr(wall, "circle") && strstr(motion, "surface")) continue; /* it turns instead */
-      compare(&(trial){wall, k % 2 ? "integrator = \"gear5\";" : "integrator = \"verlet\";", LINEAR,
-                       motion, wall, false, false});
-    }
-}
-
 /* Steps until the run fails; its message. */
 static int64_t fails_at(const sd_model *model, int threads, char *told, size_t size) {
   sd_simulation *sim = begin_run(model, threads);
@@ -168,8 +139,6 @@ int main(void) {
   setenv("SLIPDISK_WINDOWS", "always", 1);
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(windows_have_the_bits_of_single_steps),
-      cmocka_unit_test(so_they_have_with_every_coordinate_of_every_kind_of_wall),
-      cmocka_unit_test(a_deep_overlap_is_told_of_the_step_in_which_it_is),
-  };
+      cmocka_unit_test(a_deep_overlap_is_told_of_the_step_in_which_it_is)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
