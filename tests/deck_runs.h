@@ -1,22 +1,14 @@
 /* deck_runs.h: what the tests of whole runs share: decks as text, simulations, copies of states.
- *
- * Include after cmocka.h.
  */
 #ifndef TESTS_DECK_RUNS_H
 #define TESTS_DECK_RUNS_H
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
+#include "unit.h"
 #include "physics/system/work.h"
 #include "run/simulation_private.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/simulation.h"
-
-#define HELPER static inline __attribute__((unused))
 
 /* Text that grows. */
 typedef struct text {

@@ -3,15 +3,12 @@
  *   law l = {.k_n = 1e4, .restitution = 0.7};
  *   sd_simulation *s = laws_impact(&l, &hit);    two disks fly at each other, or one at a floor
  *   reference r = laws_reference(&l, &hit, t);   the same by GSL, with rates in place of displacements
- *
- * Include after cmocka.h.
  */
 #ifndef TESTS_LAWS_H
 #define TESTS_LAWS_H
 
 #include <gsl/gsl_errno.h>
 #include <gsl/gsl_odeiv2.h>
-#include <stdarg.h>
 
 #include "deck_runs.h"
 #include "system.h"

@@ -1,17 +1,11 @@
 /* packings_decks.h: what the tests of containers and packings of decks share: decks with one of each, loading, refusals.
- *
- * Include after cmocka.h.
  */
 #ifndef TESTS_PACKINGS_DECKS_H
 #define TESTS_PACKINGS_DECKS_H
 
-#include <stdio.h>
-#include <string.h>
-
+#include "unit.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
-
-#define HELPER static inline __attribute__((unused))
 
 #define HEAD                                                                                       \
   "dt = 1e-3; steps = 10; gravity = { g = 10; }; materials = ( { name = \"m\"; k_n = 10; } );\n"
@@ -58,7 +52,6 @@ HELPER void refused(const char *text, const char *words) {
 }
 
 HELPER int tear_down(void **state) {
-  (void)state;
   sd_messages_free(messages);
   return 0;
 }

@@ -6,11 +6,7 @@
 #ifndef TESTS_RANKS_DECK_H
 #define TESTS_RANKS_DECK_H
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
+#include "unit.h"
 #include "base/comm.h"
 #include "io/deck/deck.h"
 #include "io/results/provenance.h"

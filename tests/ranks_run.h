@@ -1,5 +1,5 @@
 /* ranks_run.h: a run over ranks that are threads of this process, and its state at the end as one
- * process has it. Include after cmocka.h.
+ * process has it.
  */
 #ifndef TESTS_RANKS_RUN_H
 #define TESTS_RANKS_RUN_H

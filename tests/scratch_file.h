@@ -2,24 +2,21 @@
 #ifndef TESTS_SCRATCH_FILE_H
 #define TESTS_SCRATCH_FILE_H
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <unistd.h>
 
+#include "unit.h"
 #include "slipdisk/status.h"
 
 static char folder_name[] = "/tmp/slipdisk-" SCRATCH_NAME "-XXXXXX";
 static char path[128];
 
 static int make_folder(void **unused) {
-  (void)unused;
   if (!mkdtemp(folder_name)) return -1;
   snprintf(path, sizeof path, "%s/file.h5", folder_name);
   return 0;
 }
 
 static int remove_folder(void **unused) {
-  (void)unused;
   unlink(path);
   return rmdir(folder_name);
 }

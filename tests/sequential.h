@@ -3,17 +3,14 @@
  * Autoregressive records of variance 1 stand for the rate of a disk, one sample per step. They go through the bins
  * of a state, sd_goal_look and sd_goal_of like those of a run. The goal is the true error of `wanted` steps, so
  * that a run which knew the true error would end there.
- *
- * Include after cmocka.h.
  */
 #ifndef TESTS_SEQUENTIAL_H
 #define TESTS_SEQUENTIAL_H
 
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
-#include <math.h>
-#include <stdlib.h>
 
+#include "unit.h"
 #include "model/state.h"
 #include "slipdisk/measure.h"
 

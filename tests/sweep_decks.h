@@ -1,18 +1,12 @@
 /* sweep_decks.h: what the tests of a deck's sweep share: a deck with a sweep in a file of its own.
- *
- * Include after cmocka.h.
  */
 #ifndef TESTS_SWEEP_DECKS_H
 #define TESTS_SWEEP_DECKS_H
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
+#include "unit.h"
 #include "io/deck/deck.h"
-
-#define HELPER static inline __attribute__((unused))
 
 /* Line 1 is dt, line 2 the sweep of a test, the rest stands behind it. */
 #define HEAD "dt = 1e-3; steps = 10; seed = 5;\n"
@@ -48,7 +42,6 @@ HELPER sd_status load(const char *text, size_t n, const char *const *overrides) 
 }
 
 HELPER int set_up(void **state) {
-  (void)state;
   if (!mkdtemp(folder)) return 1;
   snprintf(path, sizeof path, "%s/deck.cfg", folder);
   messages = sd_messages_new();
@@ -56,7 +49,6 @@ HELPER int set_up(void **state) {
 }
 
 HELPER int tear_down(void **state) {
-  (void)state;
   deck_sweep_free(&sweep_now);
   sd_messages_free(messages);
   remove(path);

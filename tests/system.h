@@ -1,4 +1,4 @@
-/* system.h: small systems built by hand for tests, with tolerant comparison. Include after cmocka.h.
+/* system.h: small systems built by hand for tests, with tolerant comparison.
  *
  *   sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-4, law);   one material, one endless phase
  *   system_disk(m, x, y, radius, mass);                       returns the body number
@@ -11,11 +11,7 @@
 #ifndef TESTS_SYSTEM_H
 #define TESTS_SYSTEM_H
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
+#include "unit.h"
 #include "model/model.h"
 #include "model/state.h"
 #include "slipdisk/simulation.h"

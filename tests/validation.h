@@ -1,22 +1,16 @@
 /* validation.h: runs of the decks that ship, for test_validation.c and slow_validation.c.
  *
- * Include after cmocka.h. Decks are read as the program reads them, with overrides as after -D.
+ * Decks are read as the program reads them, with overrides as after -D.
  */
 #ifndef TESTS_VALIDATION_H
 #define TESTS_VALIDATION_H
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
+#include "unit.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
 #include "slipdisk/measure.h"
 #include "slipdisk/simulation.h"
 #include "slipdisk/theory.h"
-
-#define HELPER static inline __attribute__((unused))
 
 HELPER void between(double value, double low, double high, const char *what) {
   if (value >= low && value <= high) return;

@@ -17,13 +17,7 @@
  * Small chunks (SLIPDISK_CHUNK) let decks of a few dozen disks be taken in windows. The status is 1
  * if any way was wrong.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
+#include "model/model.h"
 #include "physics/system/kernels.h"
 #include "ranks_run.h"
 #include "run/ensemble.h"

@@ -1,16 +1,8 @@
 /* test_deck_reference.c: docs/deck.md against the program's tables, both ways; its examples; and the messages
  * about a deck with every kind of mistake against tests/decks/many.expected. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "unit.h"
 #include "io/deck/deck.h"
 #include "io/deck/deck_read.h"
 #include "model/state.h"
@@ -43,7 +35,6 @@ static char *table_lines(const char *text) {
 }
 
 static void test_tables(void **state) {
-  (void)state;
   char *doc = read_all(SLIPDISK_SOURCE_DIR "/docs/deck.md"), *code = NULL;
   size_t size;
   FILE *out = open_memstream(&code, &size);
@@ -70,7 +61,6 @@ static void test_tables(void **state) {
 
 /* Every default that the tables print must be a value that the key may have. */
 static void test_defaults_in_range(void **state) {
-  (void)state;
   for (size_t t = 0; t < deck_table_count; t++)
     for (size_t k = 0; deck_key_at(deck_tables[t], k); k++) {
       const deck_key *key = deck_key_at(deck_tables[t], k);
@@ -83,7 +73,6 @@ static void test_defaults_in_range(void **state) {
 
 /* The code blocks of the worked examples are decks that load. */
 static void test_examples(void **state) {
-  (void)state;
   char folder[] = "/tmp/slipdisk-doc-XXXXXX", csv[64];
   assert_non_null(mkdtemp(folder));
   snprintf(csv, sizeof csv, "%s/grains.csv", folder);
@@ -116,7 +105,6 @@ static void test_examples(void **state) {
 }
 
 static void test_messages(void **state) {
-  (void)state;
   const char *folder = SLIPDISK_SOURCE_DIR "/tests/decks/";
   sd_messages *messages = sd_messages_new();
   sd_model *m;
@@ -146,7 +134,6 @@ static void note_difference(void *user, const char *path, const char *there, con
 
 /* A full deck of an older version lacks a key: no difference when the key has its default here. */
 static void keys_of_newer_versions(void **unused) {
-  (void)unused;
   static const struct {
     const char *there, *here, *differs;
   } list[] = {
@@ -166,13 +153,5 @@ static void keys_of_newer_versions(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_tables),
-      cmocka_unit_test(test_defaults_in_range),
-      cmocka_unit_test(test_examples),
-      cmocka_unit_test(test_messages),
-      cmocka_unit_test(keys_of_newer_versions),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_tables), TEST(test_defaults_in_range), TEST(test_examples), TEST(test_messages),
+          TEST(keys_of_newer_versions))

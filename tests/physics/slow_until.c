@@ -1,12 +1,4 @@
 /* slow_until.c: the table of docs/studies/checks.md on runs that end by their own error bar. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "model/model.h"
 #include "sequential.h"
 
@@ -14,7 +6,6 @@ enum { SEEDS = 1000 };
 
 /* One look too many or too early shows in chi2. */
 static void ended_by_their_error_bars(void **unused) {
-  (void)unused;
   const double ten = 19.0 / 21, one = 1.0 / 3; /* rho for tau = 10 and 1 */
   const struct {
     sequential c;
@@ -45,7 +36,4 @@ static void ended_by_their_error_bars(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(ended_by_their_error_bars)};
-  return cmocka_run_group_tests_name("slow_until", tests, NULL, NULL);
-}
+RUN_TESTS(TEST(ended_by_their_error_bars))

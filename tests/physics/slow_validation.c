@@ -1,20 +1,11 @@
 /* slow_validation.c: longer runs of the decks that ship: the step of 1e-6, convergence in the time step, error
  * bars against the scatter of seeds, and how the theory of permanent sliding is approached.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "validation.h"
 
 /* --- random vibration (52) ----------------------------------------------------------------------------- */
 
 static void decks_own_step(void **unused) {
-  (void)unused;
   vibrated tilted = vibrate(0.04, 1e-6, 60, 1, ""), level = vibrate(0, 1e-6, 60, 1, "");
   print_message("dt 1e-6: Omega %.3g +- %.2g, without tilt %.3g +- %.2g\n", tilted.rotation.omega,
                 tilted.rotation.error, level.rotation.omega, level.rotation.error);
@@ -27,7 +18,6 @@ static void decks_own_step(void **unused) {
 /* The same signal is not the same at another step, so results agree within error bars; the two integrators see
  * the same signal, and differ by much less. */
 static void step_and_integrator_do_not_matter(void **unused) {
-  (void)unused;
   const double steps[] = {2e-5, 1e-5, 5e-6};
   vibrated last = {.residual = 0};
   for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
@@ -48,7 +38,6 @@ static void step_and_integrator_do_not_matter(void **unused) {
 
 /* Sum of squares over 8 seeds: chi^2 of 7 degrees of freedom, within its central 99.8 %. */
 static void error_bars_are_the_scatter_of_seeds(void **unused) {
-  (void)unused;
   enum { SEEDS = 8 };
   const double tilts[] = {0.04, 0};
   for (int k = 0; k < 2; k++) {
@@ -87,7 +76,6 @@ static drive paper_drive(bool opposite) {
 }
 
 static void periodic_states_converge_in_the_step(void **unused) {
-  (void)unused;
   for (int opposite = 0; opposite < 2; opposite++)
     for (int verlet = 0; verlet < 2; verlet++) {
       drive d = paper_drive(opposite != 0);
@@ -106,7 +94,6 @@ static void periodic_states_converge_in_the_step(void **unused) {
  * surface's) drive: the deviation from the theory falls until the supports' overlap is felt. In phase that is
  * soon: Omega is 1/80 of what each torque would give, and the overlap changes the torques by some 1e-5. */
 static void slow_and_strong_drive_meets_the_theory(void **unused) {
-  (void)unused;
   for (int opposite = 0; opposite < 2; opposite++) {
     double last = 1;
     for (int k = 0; k < 4; k++) {
@@ -128,13 +115,6 @@ static void slow_and_strong_drive_meets_the_theory(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(decks_own_step),
-      cmocka_unit_test(step_and_integrator_do_not_matter),
-      cmocka_unit_test(error_bars_are_the_scatter_of_seeds),
-      cmocka_unit_test(periodic_states_converge_in_the_step),
-      cmocka_unit_test(slow_and_strong_drive_meets_the_theory),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(decks_own_step), TEST(step_and_integrator_do_not_matter),
+          TEST(error_bars_are_the_scatter_of_seeds), TEST(periodic_states_converge_in_the_step),
+          TEST(slow_and_strong_drive_meets_the_theory))

@@ -1,12 +1,5 @@
 /* test_arcs.c: walls that are part of a circle: a pendulum, ways around both ends, a ring against a circle, a disk that lies on the rims,
  * one that rolls off the end, distances and boxes. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "model/walls.h"
 #include "model/overlaps.h"
 #include "physics/contact/walls.h"
@@ -27,7 +20,6 @@ static uint32_t add_arc(sd_model *m, double x, double y, double radius, double f
 
 /* Rolling without slip in a bowl: T = 2 pi sqrt(3 l/(2 g)) (1 + A^2/16 + 11 A^4/3072), l = radius - R; no energy is lost. */
 static void test_a_pendulum(void **unused) {
-  (void)unused;
   const double radius = 5, r = 1, g = 10, mass = 0.1, amplitude = 0.2;
   for (int k = 0; k < 2; k++) {
     const double dt = k ? 5e-6 : 2e-5; /* Gear damps what oscillates fast */
@@ -100,7 +92,6 @@ static void place_at(const lap *arc, double d, double t, double p[2]) {
 }
 
 static void test_around_the_ends(void **unused) {
-  (void)unused;
   const lap laps[] = {{3, 0.3, 2.5, 0, 0}, {3, -0.7, 4.2, 0, 0},    {3, 1, 1.2, 0, 0},
                       {2, 0, M_PI, 0, 0},  {3, 0.3, 2.5, 2.1, 0.7}, {3, -0.7, 4.2, -8, -0.2}};
   const double r = 0.5, d = 0.49;
@@ -147,7 +138,6 @@ static void test_around_the_ends(void **unused) {
 
 /* A ring does what a circle does, inside and outside, at rest and turning. */
 static void test_a_ring_is_a_circle(void **unused) {
-  (void)unused;
   const sd_contact_law law = {.k_n = 1e4, .k_t = 5e3, .gamma_n = 1, .mu = 0.3};
   for (int inside = 0; inside < 2; inside++)
     for (int turns = 0; turns < 2; turns++) {
@@ -183,7 +173,6 @@ static void test_a_ring_is_a_circle(void **unused) {
 
 /* A disk larger than a bowl lies on both of its rims: each carries half of the weight. */
 static void test_on_the_rims(void **unused) {
-  (void)unused;
   sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-5,
                            (sd_contact_law){.k_n = 1e5, .k_t = 1e5, .gamma_n = 30, .mu = 0});
   m->gravity[1] = -10;
@@ -201,7 +190,6 @@ static void test_on_the_rims(void **unused) {
 
 /* From rest at height h on a quarter of a circle a disk comes to its level end with v^2 = 4 g h/3, and flies on. */
 static void test_off_the_end(void **unused) {
-  (void)unused;
   const double radius = 4, r = 0.5, g = 10, dt = 1e-5, angle = 1.0, l = radius - r;
   sd_model *m = system_new(SD_VERLET, SD_CONSERVATIVE, dt, rough);
   m->gravity[1] = -g;
@@ -219,7 +207,6 @@ static void test_off_the_end(void **unused) {
 
 /* On which side of an arc the disks are is what its middle says, not its centre; a ring has none. */
 static void test_sides(void **unused) {
-  (void)unused;
   sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-5, rough);
   system_disk(m, 0, 1.1, 1, 1);
   const uint32_t bowl = add_arc(m, 0, 5, 5, -2, -1), roof = add_arc(m, 0, 3, 5, 1, 2),
@@ -233,7 +220,6 @@ static void test_sides(void **unused) {
 
 /* Distances of the model, nearest points of the physics and the box of the pieces agree with points along the arc. */
 static void test_geometry(void **unused) {
-  (void)unused;
   uint64_t seed = 7;
   for (int n = 0; n < 200; n++) {
     double u[6];
@@ -277,13 +263,5 @@ static void test_geometry(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_pendulum),
-                                     cmocka_unit_test(test_around_the_ends),
-                                     cmocka_unit_test(test_a_ring_is_a_circle),
-                                     cmocka_unit_test(test_on_the_rims),
-                                     cmocka_unit_test(test_off_the_end),
-                                     cmocka_unit_test(test_geometry),
-                                     cmocka_unit_test(test_sides)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_a_pendulum), TEST(test_around_the_ends), TEST(test_a_ring_is_a_circle),
+          TEST(test_on_the_rims), TEST(test_off_the_end), TEST(test_geometry), TEST(test_sides))

@@ -1,13 +1,5 @@
 /* test_cell.c: periodic boxes that deform: images that move, closed forms of a lattice, the same cell seen otherwise, the energy
  * budget, stresses that are reached, and the same bits whatever happens on the way. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "measure/stress.h"
 #include "model/cell.h"
@@ -58,7 +50,6 @@ static sd_model *pair_model(const char *integrator, const char *variant, bool bo
 /* A disk and the image of another: the same as that disk beside one that is where the image is, and as fast. The first goes
  * through the edge of the box while they touch. */
 static void test_pair(void **unused) {
-  (void)unused;
   for (int k = 0; k < 4; k++) {
     const char *integrator = k % 2 ? "gear5" : "verlet",
                *variant = k / 2 ? "paper" : "conservative";
@@ -145,7 +136,6 @@ static void deformation(const sd_model *m, const sd_state *s, double f[4]) {
 
 /* All disks keep their places in the cell; the stress is that of the closed form at any strain. */
 static void test_lattice(void **unused) {
-  (void)unused;
   const char *phases[] = {"cell = { rate_xy = 1e-3; };",
                           "cell = { rate_xx = -3e-4; rate_yy = 2e-4; rate_xy = 1e-3; };",
                           "cell = { rate_xx = -2e-4; rate_yy = -2e-4; };"};
@@ -192,7 +182,6 @@ static void test_lattice(void **unused) {
 /* lambda = mu = sqrt(3)/4 k of a triangular lattice of springs (L. D. Landau, E. M. Lifshitz; M. F. Thorpe, P. N. Sen, J. Acoust.
  * Soc. Am. 77, 1674): for strains e the stresses change by - lambda e_kk - 2 mu e. */
 static void test_moduli(void **unused) {
-  (void)unused;
   const double strain = 1e-6, overlap = 1e-5, k_n = 2.0, mu = 0.25 * sqrt(3.0) * k_n;
   const char *rates[3] = {"rate_xx = %.17g;", "rate_yy = %.17g;", "rate_xy = %.17g;"};
   const double modulus[3][3] = {{3 * mu, mu, 0}, {mu, 3 * mu, 0}, {0, 0, mu}};
@@ -217,7 +206,6 @@ static void test_moduli(void **unused) {
 
 /* Sheared by a whole length, or by two, it is the same cell: stress and offset are those of the start. */
 static void test_whole_shear(void **unused) {
-  (void)unused;
   const double a = 0.9, whole = a * WIDE / (a * sqrt(0.75) * HIGH);
   char phase[200];
   snprintf(phase, sizeof phase, "phases = ( { steps = 4000; cell = { rate_xy = %.17g; }; } );",
@@ -291,7 +279,6 @@ static sd_model *packing(const request *r, const char *phases) {
 
 /* Where the box begins has no meaning: all positions shifted, all else is the same but for a common velocity. */
 static void test_translation(void **unused) {
-  (void)unused;
   request r = usual;
   const char *phases = "phases = ( { steps = 1000; cell = { rate_xx = -1e-3; rate_yy = -5e-4; "
                        "rate_xy = 0.01; }; } );";
@@ -335,7 +322,6 @@ static const char *const lively =
 
 /* The residual is that of the integrator: it falls with the square of dt. */
 static void test_energy(void **unused) {
-  (void)unused;
   for (int k = 0; k < 4; k++) {
     double residual[2];
     request r = usual;
@@ -362,7 +348,6 @@ static void test_energy(void **unused) {
 
 /* Mean over the second half of the time is what was asked for: contacts and velocities beside the flow. */
 static void test_stress_is_reached(void **unused) {
-  (void)unused;
   sd_model *m =
       packing(&usual, "phases = ( { steps = 40000; cell = { rate_xy = 0.003; stress_xx = 0.01; "
                       "stress_yy = 0.01; }; } );");
@@ -390,7 +375,6 @@ static void test_stress_is_reached(void **unused) {
 
 /* A phase that settles waits for the stress, also where all else has long been fulfilled. */
 static void test_settles_at_the_stress(void **unused) {
-  (void)unused;
   sd_model *m = packing(
       &usual,
       "phases = ( { steps = 40000; cell = { stress_xx = 0.01; stress_yy = 0.01; }; settle = { "
@@ -429,7 +413,6 @@ static void refused(const char *deck, const char *expected) {
 }
 
 static void test_mistakes(void **unused) {
-  (void)unused;
 #define DECK(box, more, cell)                                                                      \
   "dt = 1e-3; materials = ( { name = \"m\"; k_n = 1; } ); disks = ( { x = 1; y = 1; radius = "     \
   "0.5; mass = "                                                                                   \
@@ -458,15 +441,6 @@ static void test_mistakes(void **unused) {
   refused(DECK("xy", "measure = { disks = true; };", "rate_xy = 1;"), "measure.disks");
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_pair),
-                                     cmocka_unit_test(test_lattice),
-                                     cmocka_unit_test(test_moduli),
-                                     cmocka_unit_test(test_whole_shear),
-                                     cmocka_unit_test(test_translation),
-                                     cmocka_unit_test(test_energy),
-                                     cmocka_unit_test(test_stress_is_reached),
-                                     cmocka_unit_test(test_settles_at_the_stress),
-                                     cmocka_unit_test(test_mistakes)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_pair), TEST(test_lattice), TEST(test_moduli), TEST(test_whole_shear),
+          TEST(test_translation), TEST(test_energy), TEST(test_stress_is_reached),
+          TEST(test_settles_at_the_stress), TEST(test_mistakes))

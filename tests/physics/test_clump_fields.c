@@ -1,12 +1,4 @@
 /* Fields on clumps: drag, Coriolis forces, damping, fields of programs. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-#include <math.h>
-
 #include "brief.h"
 #include "deck_runs.h"
 #include "model/clumps.h"
@@ -54,7 +46,6 @@ static void free_both(sd_simulation *s) {
 /* The velocity in drag and in the Coriolis force is the corrected one of the clump: strong drag is stable, Coriolis forces do no
  * work. The central field takes the centrifugal force away. */
 static void fields_take_the_corrected_velocity_of_a_clump(void **unused) {
-  (void)unused;
   sd_simulation *s = dimer_in(
       "{ type = \"drag\"; gamma = 3e3; gamma_rotation = 1e3; flow = (0.3, -0.2); swirl = 0.5; }",
       "velocity = (3, -1); omega = 2;");
@@ -78,7 +69,6 @@ static void fields_take_the_corrected_velocity_of_a_clump(void **unused) {
 
 /* Drag f v on each of two disks, f_r omega about each: the clump slows down with 2 f/M and turns slower with (2 f d^2 + 2 f_r)/I. */
 static void drag_acts_on_each_disk(void **unused) {
-  (void)unused;
   const double f = 0.3, f_r = 0.05, d = 0.8, M = 1.4, I = 2 * 0.7 * (0.5 + d * d), t = 2;
   for (int integrator = 0; integrator < 2; integrator++) {
     text deck = {0};
@@ -112,7 +102,6 @@ static void drag_acts_on_each_disk(void **unused) {
 /* As a disk (test_fields.c): thrown upwards it rises with g (1 + alpha) and falls with g (1 - alpha); a torque turns it with
  * 1 - alpha_rotation. */
 static void damping_acts_on_the_whole_clump(void **unused) {
-  (void)unused;
   const double alpha = 0.4, g = 10, v0 = 7, up = v0 / (g * (1 + alpha)), top = 0.5 * v0 * up,
                M = 1.4, I = 2 * 0.7 * (0.5 + 0.8 * 0.8);
   const int steps = 10000;
@@ -154,7 +143,6 @@ static void push_apart(const sd_force_columns *c, void *user) {
 }
 
 static void fields_of_programs_have_levers(void **unused) {
-  (void)unused;
   double force = 0.1;
   sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e4});
   add_dimer(m, 0, 0, 0, 0.8, 1, 0.7);
@@ -173,12 +161,5 @@ static void fields_of_programs_have_levers(void **unused) {
   system_end(s);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(drag_acts_on_each_disk),
-      cmocka_unit_test(fields_take_the_corrected_velocity_of_a_clump),
-      cmocka_unit_test(damping_acts_on_the_whole_clump),
-      cmocka_unit_test(fields_of_programs_have_levers),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(drag_acts_on_each_disk), TEST(fields_take_the_corrected_velocity_of_a_clump),
+          TEST(damping_acts_on_the_whole_clump), TEST(fields_of_programs_have_levers))

@@ -1,13 +1,5 @@
 /* Stress with clumps: closed forms of two dimers in a periodic box, and forces on the walls of smooth boxes in which dimers
  * and rods are pressed together. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-#include <math.h>
-
 #include "brief.h"
 #include "deck_runs.h"
 #include "measure/measurement.h"
@@ -107,7 +99,6 @@ static sd_simulation *start(sd_model *m) {
 /* One contact, through which there is a force (F, 0): sigma = l f/A with l between the centres of the dimers. The first lies along
  * x, the second stands on end, with its lower disk before the end of the first. */
 static void two_dimers_touch_anywhere(void **unused) {
-  (void)unused;
   const double l[2] = {D + 2 * RADIUS - OVERLAP, D};
   for (int place = 0; place < 40; place++) {
     const double x = 0.3 + place * WIDTH / 20.0, y = 0.1 + place * HEIGHT / 9.0;
@@ -133,7 +124,6 @@ static void two_dimers_touch_anywhere(void **unused) {
 
 /* A ring of dimers, end to end through the edge: a cut across carries F, whatever the dimers are long. */
 static void a_row_of_dimers_carries_its_force(void **unused) {
-  (void)unused;
   const double pitch = 2 * D + 2 * RADIUS - OVERLAP;
   for (int place = 0; place < 12; place++) {
     sd_model *m = box_of(3 * pitch, HEIGHT);
@@ -161,7 +151,6 @@ static void a_row_of_dimers_carries_its_force(void **unused) {
 
 /* Dimers that turn are at rest; others have M (v - u)(v - u)/A and M v^2/2. */
 static void kinetic_stress_is_that_of_the_centres(void **unused) {
-  (void)unused;
   const double v[3] = {0.3, -0.7, 5};
   sd_model *m = box_of(WIDTH, HEIGHT);
   add_dimer(m, 0.5, 6.8, 1, 0, v);
@@ -186,7 +175,6 @@ static void kinetic_stress_is_that_of_the_centres(void **unused) {
 
 /* A mass and an inertia of its own: the centre stays where the masses of the disks put it. */
 static void a_given_mass_counts(void **unused) {
-  (void)unused;
   sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-3, (sd_contact_law){.k_n = K});
   const uint32_t disks[2] = {system_disk(m, 0, 0, 1, 1), system_disk(m, 1.5, 0, 0.5, 0.2)};
   const sd_clump c = {.n_disks = 2,
@@ -287,7 +275,6 @@ static void check_pressed(const char *name, sd_simulation *s, double size) {
 }
 
 static void walls_of_a_smooth_box_feel_the_stress(void **unused) {
-  (void)unused;
   const struct {
     const char *name, *grains;
     double mu, size, fraction;
@@ -303,7 +290,6 @@ static void walls_of_a_smooth_box_feel_the_stress(void **unused) {
 }
 
 static void a_periodic_box_has_a_symmetric_stress(void **unused) {
-  (void)unused;
   for (size_t k = 0; k < BRIEF(2, 1); k++) {
     sd_simulation *s = press(dimers, k ? 0.2 : 0, false, 12, 0.4);
     check_pressed("periodic dimers", s, 12);
@@ -320,14 +306,6 @@ static void a_periodic_box_has_a_symmetric_stress(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(two_dimers_touch_anywhere),
-      cmocka_unit_test(a_row_of_dimers_carries_its_force),
-      cmocka_unit_test(kinetic_stress_is_that_of_the_centres),
-      cmocka_unit_test(a_given_mass_counts),
-      cmocka_unit_test(walls_of_a_smooth_box_feel_the_stress),
-      cmocka_unit_test(a_periodic_box_has_a_symmetric_stress),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(two_dimers_touch_anywhere), TEST(a_row_of_dimers_carries_its_force),
+          TEST(kinetic_stress_is_that_of_the_centres), TEST(a_given_mass_counts),
+          TEST(walls_of_a_smooth_box_feel_the_stress), TEST(a_periodic_box_has_a_symmetric_stress))

@@ -1,13 +1,5 @@
 /* Clumps: free motion, closed forms of collision and rocking, one disk as a clump, prescribed coordinates, edges of a
  * periodic box, energy budgets. Fields: test_clump_fields.c. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-#include <math.h>
-
 #include "brief.h"
 #include "deck_runs.h"
 #include "model/clumps.h"
@@ -52,7 +44,6 @@ static momenta momenta_of(sd_simulation *s) {
 /* --- free motion --------------------------------------------------------------------------------------- */
 
 static void a_free_clump_keeps_its_momenta(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     sd_model *m =
         system_new((sd_integrator)integrator, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e4});
@@ -93,7 +84,6 @@ static void a_free_clump_keeps_its_momenta(void **unused) {
 
 /* Two clumps collide with friction: the conservative variant keeps all momenta. */
 static void a_collision_keeps_the_momenta(void **unused) {
-  (void)unused;
   const sd_contact_law law = {.k_n = 1e5, .k_t = 1e5, .gamma_n = 2, .mu = 0.3};
   sd_model *m = system_new(SD_GEAR5, SD_CONSERVATIVE, 1e-5, law);
   add_dimer(m, 0, 0, 0.3, 0.8, 1, 1);
@@ -121,7 +111,6 @@ static size_t floor_at(sd_model *m, double y) {
 
 /* One end of a dimer falls on a smooth wall: the impulse J = 2 v/(1/M + l^2/I), l its arm, leaves v - J/M and J l/I. */
 static void one_end_falls_on_a_wall(void **unused) {
-  (void)unused;
   const double d = 0.8, radius = 1, mass = 0.5, v = 1, angle = 0.6, k = 1e9;
   const double M = 2 * mass, I = 2 * mass * (radius * radius / 2 + d * d), arm = -d * cos(angle);
   const double J = 2 * v / (1 / M + arm * arm / I),
@@ -147,7 +136,6 @@ static void one_end_falls_on_a_wall(void **unused) {
 
 /* A round body rolls to and fro about its heavy side: w^2 = M g h/(I + M (R - h)^2), h from the middle to the centre of mass. */
 static void a_tumbler_rocks(void **unused) {
-  (void)unused;
   const double R = 1, mass = 0.3, heavy = 0.7, below = 0.6, g = 10, k = 1e8, turned = 0.01;
   const sd_contact_law law = {.k_n = k, .k_t = k, .mu = 100};
   const double M = mass + heavy, h = heavy * below / M, r = 0.2;
@@ -200,7 +188,6 @@ static sd_simulation *bouncing(int integrator, bool clump) {
 
 /* To the bit: the same numbers are added and multiplied in the same order. */
 static void one_disk_as_a_clump_moves_as_the_disk(void **unused) {
-  (void)unused;
   static const char *const names[] = {"x",  "y",     "theta",   "turn",   "vx",
                                       "vy", "omega", "force_x", "torque", "contact_zeta"};
   for (int integrator = 0; integrator < 2; integrator++) {
@@ -250,7 +237,6 @@ static sd_simulation *two_dimers(double shift) {
 
 /* Where the edges are is no matter: the disks of one clump may stand on both sides. */
 static void edges_of_a_periodic_box_are_not_felt(void **unused) {
-  (void)unused;
   sd_simulation *a = two_dimers(0);
   int images = 0;
   system_advance(a, 400000);
@@ -320,7 +306,6 @@ static sd_model *body_of(int body, int axis, double shift, int order, bool perio
 }
 
 static void the_shape_does_not_depend_on_the_order(void **unused) {
-  (void)unused;
   for (int body = 0; body < 3; body++)
     for (int axis = 0; axis < 2; axis++) {
       sd_model *free_one = body_of(body, axis, 0, 0, false);
@@ -351,7 +336,6 @@ static void the_shape_does_not_depend_on_the_order(void **unused) {
 
 /* Disks as far apart around the box as within it have no shape. */
 static void a_body_that_closes_around_the_box_is_refused(void **unused) {
-  (void)unused;
   for (int axis = 0; axis < 2; axis++)
     for (int held = 0; held < 2; held++) {
       sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e3});
@@ -379,7 +363,6 @@ static void a_body_that_closes_around_the_box_is_refused(void **unused) {
 
 /* A rough plate with mass lies on three disks that stick to the floor, and is pulled along x at a given speed. */
 static void a_plate_is_dragged(void **unused) {
-  (void)unused;
   const sd_contact_law law = {.k_n = 1e5, .k_t = 1e5, .gamma_n = 20, .mu = 0.3};
   const double mass = 5, g = 10;
   sd_model *m = system_new(SD_GEAR5, SD_CONSERVATIVE, 1e-5, law);
@@ -427,7 +410,6 @@ static sd_model *heap_of(double dt, const char *more) {
 }
 
 static void a_packing_closes_its_budget(void **unused) {
-  (void)unused;
   double residual[2];
   const int64_t steps = BRIEF(20000, 500);
   for (int k = 0; k < 2; k++) {
@@ -447,16 +429,9 @@ static void a_packing_closes_its_budget(void **unused) {
   assert_true(steps < 20000 || (residual[1] < 1e-6 && residual[1] < 0.5 * residual[0]));
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(a_free_clump_keeps_its_momenta),
-                                     cmocka_unit_test(a_collision_keeps_the_momenta),
-                                     cmocka_unit_test(one_end_falls_on_a_wall),
-                                     cmocka_unit_test(a_tumbler_rocks),
-                                     cmocka_unit_test(one_disk_as_a_clump_moves_as_the_disk),
-                                     cmocka_unit_test(edges_of_a_periodic_box_are_not_felt),
-                                     cmocka_unit_test(the_shape_does_not_depend_on_the_order),
-                                     cmocka_unit_test(a_body_that_closes_around_the_box_is_refused),
-                                     cmocka_unit_test(a_plate_is_dragged),
-                                     cmocka_unit_test(a_packing_closes_its_budget)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(a_free_clump_keeps_its_momenta), TEST(a_collision_keeps_the_momenta),
+          TEST(one_end_falls_on_a_wall), TEST(a_tumbler_rocks),
+          TEST(one_disk_as_a_clump_moves_as_the_disk), TEST(edges_of_a_periodic_box_are_not_felt),
+          TEST(the_shape_does_not_depend_on_the_order),
+          TEST(a_body_that_closes_around_the_box_is_refused), TEST(a_plate_is_dragged),
+          TEST(a_packing_closes_its_budget))

@@ -3,13 +3,6 @@
  * C. Y. Chung & J. Y. Ooi, Granular Matter 13, 643 (2011), adapted to the linear law. Where the contact sticks
  * there is no closed form: `reference` integrates the two bodies with steps of its own, angle by atan2 and all.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "system.h"
 
@@ -135,7 +128,6 @@ static hit head_on(int kind, sd_integrator integrator, sd_variant variant, doubl
 /* --- restitution ------------------------------------------------------------------------------------- */
 
 static void restitution_over_a_grid_of_damping(void **unused) {
-  (void)unused;
   static const double damping[] = {0, 0.01, 0.1, 0.3, 0.7, 0.95, 1, 1.05, 1.5, 3};
   double worst = 0, late = 0;
   int run = 0;
@@ -167,7 +159,6 @@ static void restitution_over_a_grid_of_damping(void **unused) {
 
 /* The error of e is due to the first step, in which the viscous force appears: first order in dt. */
 static void restitution_converges(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     double error[3];
     for (int k = 0; k < 3; k++) {
@@ -188,7 +179,6 @@ static void restitution_converges(void **unused) {
 
 /* Half a sine: F = v sqrt(k m) sin(w t), largest overlap v sqrt(m/k), duration pi sqrt(m/k). */
 static void tests_1_and_2_elastic_normal_impact(void **unused) {
-  (void)unused;
   for (int kind = 0; kind < KINDS; kind++)
     for (int integrator = 0; integrator < 2; integrator++) {
       hit h = head_on(kind, (sd_integrator)integrator, SD_CONSERVATIVE, 2e5, 1.5);
@@ -212,7 +202,6 @@ static void tests_1_and_2_elastic_normal_impact(void **unused) {
 
 /* gamma_n such that e is what was asked for (Chung & Ooi 3), found by bisection of the closed form. */
 static void test_3_restitution_asked_for(void **unused) {
-  (void)unused;
   for (double e = 0.2; e < 1.01; e += BRIEF(0.2, 0.8))
     for (int kind = 0; kind < KINDS; kind++) {
       hit h = head_on(kind, SD_GEAR5, SD_PAPER, 1e6, 4);
@@ -383,7 +372,6 @@ static bool check_wall_hit(const hit *h, double tolerance, const char *what) {
 }
 
 static void test_4_oblique_impact_at_constant_speed(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int kind = LINE; kind <= POLYLINE; kind++) {
       int slid = 0;
@@ -398,7 +386,6 @@ static void test_4_oblique_impact_at_constant_speed(void **unused) {
 }
 
 static void test_5_oblique_impact_at_constant_normal_velocity(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int kind = LINE; kind <= POLYLINE; kind++)
       for (double ratio = -5; ratio < 5.1; ratio += BRIEF(0.63, 5.04)) {
@@ -410,7 +397,6 @@ static void test_5_oblique_impact_at_constant_normal_velocity(void **unused) {
 }
 
 static void test_6_spinning_disk_on_a_wall(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int kind = LINE; kind <= POLYLINE; kind++)
       for (double spin = -0.6; spin < 0.61; spin += BRIEF(0.1, 0.6)) {
@@ -424,7 +410,6 @@ static void test_6_spinning_disk_on_a_wall(void **unused) {
 /* --- Chung & Ooi 7, 8: two disks; round walls --------------------------------------------------------- */
 
 static void test_7_two_equal_spinning_disks(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int variant = BRIEF(0, integrator); variant < BRIEF(2, integrator + 1); variant++)
       for (double spin = -1; spin < 1.01; spin += BRIEF(0.23, 0.92)) {
@@ -442,7 +427,6 @@ static void test_7_two_equal_spinning_disks(void **unused) {
 }
 
 static void test_8_two_different_spinning_disks(void **unused) {
-  (void)unused;
   double worst = 0;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int variant = BRIEF(0, integrator); variant < BRIEF(2, integrator + 1); variant++)
@@ -463,7 +447,6 @@ static void test_8_two_different_spinning_disks(void **unused) {
 }
 
 static void round_walls_turning_with_a_disk_on_them(void **unused) {
-  (void)unused;
   for (int kind = CIRCLE; kind <= DRUM; kind++)
     for (int integrator = 0; integrator < 2; integrator++)
       for (int variant = 0; variant < 2; variant++)
@@ -484,7 +467,6 @@ static void round_walls_turning_with_a_disk_on_them(void **unused) {
 /* Gear's predicted and corrected coordinates can differ in whether a disk touches that arrives at touch to rounding. A
  * contact begins where its force is evaluated: no force acts without it, and the energy budget closes. */
 static void arrival_at_touch_to_rounding(void **state) {
-  (void)state;
   const double dt = 1e-5, speed = 1, gamma_n = 1, one_step = gamma_n * speed * speed * dt;
   const sd_contact_law law = {.k_n = 1e3, .k_t = 500, .gamma_n = gamma_n, .mu = 0.1};
   static const int kinds[] = {DISKS, LINE, SEGMENT, POLYLINE, CIRCLE};
@@ -522,19 +504,9 @@ static void arrival_at_touch_to_rounding(void **state) {
   assert_true(found >= 200); /* they do touch */
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(restitution_over_a_grid_of_damping),
-      cmocka_unit_test(restitution_converges),
-      cmocka_unit_test(arrival_at_touch_to_rounding),
-      cmocka_unit_test(tests_1_and_2_elastic_normal_impact),
-      cmocka_unit_test(test_3_restitution_asked_for),
-      cmocka_unit_test(test_4_oblique_impact_at_constant_speed),
-      cmocka_unit_test(test_5_oblique_impact_at_constant_normal_velocity),
-      cmocka_unit_test(test_6_spinning_disk_on_a_wall),
-      cmocka_unit_test(test_7_two_equal_spinning_disks),
-      cmocka_unit_test(test_8_two_different_spinning_disks),
-      cmocka_unit_test(round_walls_turning_with_a_disk_on_them),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(restitution_over_a_grid_of_damping), TEST(restitution_converges),
+          TEST(arrival_at_touch_to_rounding), TEST(tests_1_and_2_elastic_normal_impact),
+          TEST(test_3_restitution_asked_for), TEST(test_4_oblique_impact_at_constant_speed),
+          TEST(test_5_oblique_impact_at_constant_normal_velocity),
+          TEST(test_6_spinning_disk_on_a_wall), TEST(test_7_two_equal_spinning_disks),
+          TEST(test_8_two_different_spinning_disks), TEST(round_walls_turning_with_a_disk_on_them))

@@ -1,12 +1,5 @@
 /* test_conservation.c: what the skin conserves in its two variants, and the energy budget of every kind of run.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "system.h"
 
@@ -30,7 +23,6 @@ static double loop_gain(int n, int sense) {
 /* One disk approaches, goes round, retreats and comes back, twice a period and never sliding, with the skin
  * stretched one way in one lobe of its path and the other way in the other. The trapezoid of a smooth periodic function has no error but rounding, so nothing may be left of the work. */
 static void closed_ratchet_loop(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int variant = 0; variant < 2; variant++)
       for (int sense = -1; sense <= 1; sense += 2) {
@@ -135,7 +127,6 @@ static drift free_pair(sd_integrator integrator, sd_variant variant, double dt) 
 }
 
 static void conservative_variant_conserves(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     drift d[3];
     for (int k = 0; k < 3; k++)
@@ -151,7 +142,6 @@ static void conservative_variant_conserves(void **unused) {
 }
 
 static void papers_variant_does_not(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     drift d = free_pair((sd_integrator)integrator, SD_PAPER, 2.5e-5);
     print_message("%s, paper: angular momentum off by %.3e, integral of tau delta %.3e; energy "
@@ -248,7 +238,6 @@ static double budget(scene *make, int integrator, int variant, double dt) {
 }
 
 static void energy_budget_closes(void **unused) {
-  (void)unused;
   static const struct {
     const char *name;
     scene *make;
@@ -272,12 +261,5 @@ static void energy_budget_closes(void **unused) {
       }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(closed_ratchet_loop),
-      cmocka_unit_test(conservative_variant_conserves),
-      cmocka_unit_test(papers_variant_does_not),
-      cmocka_unit_test(energy_budget_closes),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(closed_ratchet_loop), TEST(conservative_variant_conserves),
+          TEST(papers_variant_does_not), TEST(energy_budget_closes))

@@ -1,12 +1,5 @@
 /* test_contact_forces.c: the force of a contact is one, whoever asks: what moves the disk and its wall is what contact tables, groups, stress and
  * single contacts of the engine say, for all shapes and laws. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "measure/resultant.h"
 #include "measure/stress.h"
 #include "physics/contact/evaluate.h"
@@ -192,7 +185,6 @@ static void check_engine(sd_simulation *s, int shape, size_t law, int variant) {
 }
 
 static void test_one_force(void **unused) {
-  (void)unused;
   for (int shape = 0; shape < SHAPES; shape++)
     for (size_t law = 0; law < sizeof laws / sizeof *laws; law++)
       for (int variant = 0; variant < 2; variant++) {
@@ -210,7 +202,4 @@ static void test_one_force(void **unused) {
       }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_one_force)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_one_force))

@@ -1,13 +1,6 @@
 /* test_contacts.c: the memory of a contact: exact through any number of turns, forgotten when it opens, free
  * where nothing presses, and with the constants of the right pair of materials.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "system.h"
 
@@ -61,7 +54,6 @@ static double compare_stretch(sd_simulation *s, uint32_t b, double radius_b, int
 
 /* Rolls along the inside of a drum without gravity: the centrifugal force presses it on. */
 static void pair_revolves_in_a_drum(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int sense = -1; sense <= 1; sense += 2) {
       const double k_n = 1e4, radius = 0.3, hollow = 1, speed = 2;
@@ -82,7 +74,6 @@ static void pair_revolves_in_a_drum(void **unused) {
 
 /* A disk is led around a turning one, and rolls on it. */
 static void pair_revolves_ten_turns_stuck(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int variant = 0; variant < 2; variant++) {
       if (BRIEF(0, variant != integrator)) continue;
@@ -125,7 +116,6 @@ static void pair_revolves_ten_turns_stuck(void **unused) {
 
 /* 1e4 rad of a support; the disk on it turns back as much. */
 static void ten_thousand_radians_against_a_support(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     const double rate = 2000, dt = 1e-5;
     sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, dt,
@@ -151,7 +141,6 @@ static void ten_thousand_radians_against_a_support(void **unused) {
 /* A spinning disk is pressed on a wall and lifted, again and again: the stretch is that since the moment of touch, at
  * which 0.001 + 0.01 sin(20 t) = 0. */
 static void new_contact_starts_at_the_moment_of_touch(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int round = 0; round < 2; round++) {
       const double radius = 0.5, dt = 1e-4, spin = 3;
@@ -199,7 +188,6 @@ static void new_contact_starts_at_the_moment_of_touch(void **unused) {
 
 /* Drawn back faster than the spring follows: delta > 0, F_n = 0, lambda* follows lambda. */
 static void skin_is_free_where_nothing_presses(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     const double radius = 0.5, dt = 1e-4, spin = 0.3, k_n = 1e4, gamma = 2000;
     sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, dt,
@@ -240,7 +228,6 @@ static void skin_is_free_where_nothing_presses(void **unused) {
 /* Disks of three materials hit fixed ones of each, all in one system: restitution, largest overlap, skin and
  * friction tell k_n, gamma_n, k_t and mu of the pair apart. */
 static void pairs_of_materials_have_their_own_constants(void **unused) {
-  (void)unused;
   enum { M = 3 };
   sd_contact_law laws[M * M];
   for (int a = 0; a < M; a++)
@@ -306,14 +293,7 @@ static void pairs_of_materials_have_their_own_constants(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(pair_revolves_in_a_drum),
-      cmocka_unit_test(pair_revolves_ten_turns_stuck),
-      cmocka_unit_test(ten_thousand_radians_against_a_support),
-      cmocka_unit_test(new_contact_starts_at_the_moment_of_touch),
-      cmocka_unit_test(skin_is_free_where_nothing_presses),
-      cmocka_unit_test(pairs_of_materials_have_their_own_constants),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(pair_revolves_in_a_drum), TEST(pair_revolves_ten_turns_stuck),
+          TEST(ten_thousand_radians_against_a_support),
+          TEST(new_contact_starts_at_the_moment_of_touch), TEST(skin_is_free_where_nothing_presses),
+          TEST(pairs_of_materials_have_their_own_constants))

@@ -1,13 +1,6 @@
 /* test_converged.c: records that are called converged, and how often their error bars cover the true
  * mean: processes whose mean is known, short and long ones, and three disks at weak and strong
  * vibration. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
 
@@ -130,7 +123,6 @@ static void covers(const counts *c, const char *name) {
 }
 
 static void records_called_converged_are_covered(void **unused) {
-  (void)unused;
   generator = gsl_rng_alloc(gsl_rng_mt19937);
   counts all = {0};
   for (size_t p = 0; p < sizeof processes / sizeof *processes; p++) {
@@ -171,7 +163,6 @@ static void records_called_converged_are_covered(void **unused) {
 /* The upper disk over a measured time. At weak vibration it sticks most of the time, and its rate is
  * nearly all elastic noise: the bars of 1.5 time units are 2 to 2.5 times too large. */
 static void three_disks_are_covered(void **unused) {
-  (void)unused;
   enum { RUNS = BRIEF(100, 4) };
   const struct {
     double amplitude, time, least, most;
@@ -201,10 +192,4 @@ static void three_disks_are_covered(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(records_called_converged_are_covered),
-      cmocka_unit_test(three_disks_are_covered),
-  };
-  return cmocka_run_group_tests_name("converged", tests, NULL, NULL);
-}
+RUN_TESTS(TEST(records_called_converged_are_covered), TEST(three_disks_are_covered))

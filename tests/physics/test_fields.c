@@ -1,11 +1,4 @@
 /* test_fields.c: drag, non-viscous damping, central forces and rotating frames against closed forms, and their energy budget. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 #include <complex.h>
 
 #include "brief.h"
@@ -82,7 +75,6 @@ static void drag_decays(sd_field_per per, double rate, double turn_rate) {
 }
 
 static void drag_slows_disks_down(void **unused) {
-  (void)unused;
   drag_decays(SD_FIELD_PER_DISK, 0.6 / 2, 0.4 / 0.25);
   drag_decays(SD_FIELD_PER_RADIUS, 0.6 * 0.5 / 2, 0.4 * 0.125 / 0.25);
   drag_decays(SD_FIELD_PER_MASS, 0.6, 0.4);
@@ -90,7 +82,6 @@ static void drag_slows_disks_down(void **unused) {
 
 /* m g/f, whatever dt is: implicit. With f dt/m = 5 a scheme that takes the predicted velocity blows up. */
 static void a_sinking_disk_reaches_its_terminal_velocity(void **unused) {
-  (void)unused;
   BOTH(integrator)
   for (int strong = 0; strong < 2; strong++) {
     if (strong && integrator == SD_GEAR5) continue;
@@ -108,7 +99,6 @@ static void a_sinking_disk_reaches_its_terminal_velocity(void **unused) {
 
 /* Started from rest at height y: v = u (1 - e^(-t/tau)), omega = -(shear rate)/2 (1 - e^(-t/tau_r)); f and f_r as above. */
 static void shear_flow_carries_and_turns(void **unused) {
-  (void)unused;
   BOTH(integrator) {
     const double dt = 1e-3, t = 5, u = 0.7 + 2 * (0.5 - 0.1), tau = 2 / 0.8, tau_r = 0.25 / 0.4;
     sd_model *m = one_disk(integrator, dt, 0.5 * I, 0);
@@ -135,7 +125,6 @@ static void shear_flow_carries_and_turns(void **unused) {
 
 /* m z'' = f (i w z - z'): z = e^(s t) with m s^2 + f s = i f w; the disk spirals out. */
 static void a_vortex_throws_disks_out(void **unused) {
-  (void)unused;
   BOTH(integrator) {
     const double dt = 1e-3, t = 4, f = 6, w = 1.5;
     const double complex root = (-f + csqrt(f * f + 4 * 2 * I * f * w)) / 4, centre = 2 - I;
@@ -159,7 +148,6 @@ static void a_vortex_throws_disks_out(void **unused) {
 /* --- central forces ------------------------------------------------------------------------------------ */
 
 static void a_spring_gives_ellipses(void **unused) {
-  (void)unused;
   BOTH(integrator) {
     const double w = 2, dt = M_PI / 4000; /* 4000 steps a period */
     sd_model *m = one_disk(integrator, dt, 2 + I, 0.6 * I);
@@ -181,7 +169,6 @@ static void a_spring_gives_ellipses(void **unused) {
 
 /* Eccentricity 0.6: perihelion at 0.4 a; the period is 2 pi sqrt(m a^3/strength). */
 static void point_gravity_gives_kepler_ellipses(void **unused) {
-  (void)unused;
   BOTH(integrator) {
     const double a = 1.5, e = 0.6, strength = 3, mu = strength / 2,
                  period = 2 * M_PI * sqrt(a * a * a / mu);
@@ -210,7 +197,6 @@ static double potential(double strength, int power, double softening, double com
 
 /* The work is the loss of potential energy, for every power, softened or not, attracting or not. */
 static void every_power_has_its_potential(void **unused) {
-  (void)unused;
   BOTH(integrator)
   for (int power = -8; power <= 8; power++)
     for (int soft = 0; soft < 2; soft++) {
@@ -236,7 +222,6 @@ static void every_power_has_its_potential(void **unused) {
 
 /* Seen from the laboratory z_lab = e^(i omega t) z: a free disk goes straight. */
 static void a_free_disk_is_straight_in_the_laboratory(void **unused) {
-  (void)unused;
   BOTH(integrator) {
     const double dt = 2e-4, t = 3, omega = 1.3;
     const double complex centre = 0.5 - 0.2 * I, z0 = 1 + I, v0 = -0.8 + 0.3 * I;
@@ -259,7 +244,6 @@ static void a_free_disk_is_straight_in_the_laboratory(void **unused) {
 
 /* Foucault: an oscillator that is isotropic in the laboratory. */
 static void a_pendulum_turns_with_the_sky(void **unused) {
-  (void)unused;
   BOTH(integrator) {
     const double dt = 5e-4, t = 20, omega = 0.1, w = 3;
     sd_model *m = one_disk(integrator, dt, 1, -I * omega); /* at rest in the laboratory */
@@ -277,7 +261,6 @@ static void a_pendulum_turns_with_the_sky(void **unused) {
 
 /* Without the centrifugal force a disk circles at 2 omega; its speed stays to rounding. */
 static void coriolis_does_no_work(void **unused) {
-  (void)unused;
   const double dt = 1e-2, omega = 2;
   const int steps = BRIEF(1000000, 20000);
   sd_model *m = one_disk(SD_VERLET, dt, 1, 1);
@@ -295,7 +278,6 @@ static void coriolis_does_no_work(void **unused) {
 
 /* A bead on a rail that turns: x = x0 cosh(omega t); the rail's push does no work in its frame. */
 static void a_bead_on_a_rail(void **unused) {
-  (void)unused;
   BOTH(integrator) {
     const double dt = 1e-3, t = 2, omega = 1.1;
     sd_model *m = one_disk(integrator, dt, 0.3, 0);
@@ -314,7 +296,6 @@ static void a_bead_on_a_rail(void **unused) {
 /* Outwards the spring brakes with 1 + alpha, inwards it pulls with 1 - alpha: each half cycle takes
  * pi/(2 w) (1/sqrt(1 - alpha) + 1/sqrt(1 + alpha)) and leaves (1 - alpha)/(1 + alpha) of the energy. */
 static void a_damped_oscillator_loses_a_fraction_per_half_cycle(void **unused) {
-  (void)unused;
   BOTH(integrator)
   for (double alpha = 0.1; alpha < 0.8; alpha += 0.3) {
     const double w = 2, half = M_PI / (2 * w) * (1 / sqrt(1 - alpha) + 1 / sqrt(1 + alpha)),
@@ -340,7 +321,6 @@ static void a_damped_oscillator_loses_a_fraction_per_half_cycle(void **unused) {
 
 /* Thrown upwards it rises with g (1 + alpha) and falls with g (1 - alpha); a torque turns it with 1 - alpha_rotation. */
 static void damping_takes_from_gravity_and_torques(void **unused) {
-  (void)unused;
   BOTH(integrator) {
     const double alpha = 0.4, g = 10, v0 = 7, top = v0 * v0 / (2 * g * (1 + alpha)),
                  up = v0 / (g * (1 + alpha));
@@ -364,21 +344,10 @@ static void damping_takes_from_gravity_and_torques(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(drag_slows_disks_down),
-      cmocka_unit_test(a_sinking_disk_reaches_its_terminal_velocity),
-      cmocka_unit_test(shear_flow_carries_and_turns),
-      cmocka_unit_test(a_vortex_throws_disks_out),
-      cmocka_unit_test(a_spring_gives_ellipses),
-      cmocka_unit_test(point_gravity_gives_kepler_ellipses),
-      cmocka_unit_test(every_power_has_its_potential),
-      cmocka_unit_test(a_free_disk_is_straight_in_the_laboratory),
-      cmocka_unit_test(a_pendulum_turns_with_the_sky),
-      cmocka_unit_test(coriolis_does_no_work),
-      cmocka_unit_test(a_bead_on_a_rail),
-      cmocka_unit_test(a_damped_oscillator_loses_a_fraction_per_half_cycle),
-      cmocka_unit_test(damping_takes_from_gravity_and_torques),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(drag_slows_disks_down), TEST(a_sinking_disk_reaches_its_terminal_velocity),
+          TEST(shear_flow_carries_and_turns), TEST(a_vortex_throws_disks_out),
+          TEST(a_spring_gives_ellipses), TEST(point_gravity_gives_kepler_ellipses),
+          TEST(every_power_has_its_potential), TEST(a_free_disk_is_straight_in_the_laboratory),
+          TEST(a_pendulum_turns_with_the_sky), TEST(coriolis_does_no_work), TEST(a_bead_on_a_rail),
+          TEST(a_damped_oscillator_loses_a_fraction_per_half_cycle),
+          TEST(damping_takes_from_gravity_and_torques))

@@ -1,13 +1,5 @@
 /* test_fields_runs.c: packings with fields: the same bits for any threads, instruction set, restart and rebuilt list; energy budget;
  * groups, phases, disks that come and go; mistakes and warnings. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "deck_runs.h"
 #include "physics/system/kernels.h"
@@ -58,7 +50,6 @@ static sd_model *packing(int n, int wide, const char *integrator) {
 
 /* The residual of a packing with every field: small, and of second order with Verlet. */
 static void the_budget_closes(void **unused) {
-  (void)unused;
   static const char *const integrators[] = {"gear5", "verlet"};
   for (int c = 0; c < 2; c++) {
     sd_model *model = packing(61, 9, integrators[c]);
@@ -78,7 +69,6 @@ static void the_budget_closes(void **unused) {
 /* --- groups and phases ----------------------------------------------------------------------------------- */
 
 static void fields_act_on_groups_in_phases(void **unused) {
-  (void)unused;
   sd_model *model = model_of(
       "dt = 1e-3; integrator = \"verlet\"; " MATERIAL
       "disk_rows = ( { columns = (\"x\", \"y\"); radius = 1; mass = 1; vx = 1; rows = ((0, 0), "
@@ -109,7 +99,6 @@ static void lift(const sd_force_columns *c, void *user) {
 }
 
 static void disks_come_and_go(void **unused) {
-  (void)unused;
   static const char *const integrators[] = {"gear5", "verlet"};
   for (int c = 0; c < 2; c++) {
     sd_model *model = packing(41, 9, integrators[c]);
@@ -143,7 +132,6 @@ static void disks_come_and_go(void **unused) {
 
 /* Rain sinks in a fluid, and the box is compressed while it drags. */
 static void rain_and_compression(void **unused) {
-  (void)unused;
   sd_model *model = model_of(
       "dt = 2e-5; integrator = \"verlet\"; gravity = { g = 9.81; }; " MATERIAL
       "container = { type = \"box\"; width = 0.5; height = 1; };\n"
@@ -201,7 +189,6 @@ static void told(const char *fields_text, const char *expected) {
 }
 
 static void mistakes_are_told(void **unused) {
-  (void)unused;
   told("{ type = \"drag\"; gamma = 1; }", NULL);
   told("{ type = \"drag\"; }", "test.cfg:3: fields[0].gamma: missing: type \"drag\" needs it");
   told("{ type = \"drag\"; gamma = -1; }", "expected a number >= 0");
@@ -228,7 +215,6 @@ static void mistakes_are_told(void **unused) {
 }
 
 static void warnings_of_boxes_frames_and_phases(void **unused) {
-  (void)unused;
   struct {
     const char *deck, *expected;
   } decks[] = {
@@ -278,7 +264,6 @@ static void warnings_of_boxes_frames_and_phases(void **unused) {
 
 /* What a program adds is told by sd_model_finish; a copy of the model owns its fields. */
 static void models_own_their_fields(void **unused) {
-  (void)unused;
   sd_model *m = sd_model_new();
   sd_model_set(m, "dt", 1e-3);
   sd_model_add_material(m, "a", &(sd_contact_law){.k_n = 1e4});
@@ -313,13 +298,6 @@ static void models_own_their_fields(void **unused) {
   sd_model_free(copy);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(the_budget_closes),
-                                     cmocka_unit_test(fields_act_on_groups_in_phases),
-                                     cmocka_unit_test(disks_come_and_go),
-                                     cmocka_unit_test(rain_and_compression),
-                                     cmocka_unit_test(mistakes_are_told),
-                                     cmocka_unit_test(warnings_of_boxes_frames_and_phases),
-                                     cmocka_unit_test(models_own_their_fields)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(the_budget_closes), TEST(fields_act_on_groups_in_phases), TEST(disks_come_and_go),
+          TEST(rain_and_compression), TEST(mistakes_are_told),
+          TEST(warnings_of_boxes_frames_and_phases), TEST(models_own_their_fields))

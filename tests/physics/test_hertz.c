@@ -1,12 +1,4 @@
 /* The Hertz law: closed forms of single collisions, energy, general step against small systems. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-#include <math.h>
-
 #include "system.h"
 
 enum { SMALL, GENERAL };
@@ -47,7 +39,6 @@ static double relative_speed(sd_simulation *s) { return system_at(s, 1).vx - sys
 /* Duration (m_eff/k)^(2/5) v^(-1/5) 2.9432 (Landau and Lifshitz, Theory of Elasticity 9, with F = k delta^(3/2)): t =
  * 2 integral of d delta/sqrt(v^2 - (4/5)(k/m) delta^(5/2)) = 2 (5 m/(4 k))^(2/5) v^(-1/5) I, I = sqrt(pi) Gamma(7/5)/Gamma(9/10). */
 static void elastic_collision(void **unused) {
-  (void)unused;
   const double k = 1e4, integral = sqrt(M_PI) * tgamma(1.4) / tgamma(0.9);
   for (int integrator = 0; integrator < 2; integrator++)
     for (double speed = 0.01; speed < 2; speed *= 10) {
@@ -65,7 +56,6 @@ static void elastic_collision(void **unused) {
 
 /* e does not depend on the speed, and is that of the deck. */
 static void restitution(void **unused) {
-  (void)unused;
   const double k = 1e4;
   for (double e = 0.2; e < 0.95; e += 0.2)
     for (int integrator = 0; integrator < 2; integrator++)
@@ -84,7 +74,6 @@ static void restitution(void **unused) {
 
 /* Small systems and the general step: the same bits. */
 static void two_ways(void **unused) {
-  (void)unused;
   const sd_contact_law law = {.k_n = 1e4,
                               .k_t = 3e3,
                               .gamma_n = 0.1,
@@ -110,11 +99,4 @@ static void two_ways(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(elastic_collision),
-      cmocka_unit_test(restitution),
-      cmocka_unit_test(two_ways),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(elastic_collision), TEST(restitution), TEST(two_ways))

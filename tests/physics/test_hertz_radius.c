@@ -1,13 +1,6 @@
 /* test_hertz_radius.c: Hertz' law by a modulus, k_h = 4/3 E* sqrt(R_eff): closed forms of
  * impacts on bodies of other radii, the same motion as by the k_n and k_t of the pair, a disk
  * that rolls onto an arc, changes of a running simulation. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "laws.h"
 
 /* --- bodies that a disk falls on -------------------------------------------------------------- */
@@ -97,7 +90,6 @@ static const double modulus = 1e5, nu = 0.3;
 /* Duration 2 (5 m/4 k)^(2/5) v^(-1/5) I, I = sqrt(pi) Gamma(7/5)/Gamma(9/10) (2.94 (5 m/4
  * k)^(2/5) v^(-1/5)), largest overlap (5 m v^2/4 k)^(2/5), with k = 4/3 E* sqrt(R_eff). */
 static void elastic_impacts(void **unused) {
-  (void)unused;
   const law l = {.hertz = true, .E_star = modulus};
   const double v = 0.2, integral = sqrt(M_PI) * tgamma(1.4) / tgamma(0.9);
   double worst[3] = {0};
@@ -139,7 +131,6 @@ static void elastic_impacts(void **unused) {
 /* The restitution and everything that refers to k_n and k_t: a law by modulus moves the bodies
  * as the law with the stiffnesses of this pair does, and has the same energies. */
 static void same_as_by_stiffness(void **unused) {
-  (void)unused;
   static const law tails[] = {
       {.restitution = 0.6},
       {.restitution = 0.6, .pulls = true, .mu = 0.4, .mindlin = true},
@@ -188,7 +179,6 @@ static void same_as_by_stiffness(void **unused) {
 
 /* Small systems and the general step: the same bits. */
 static void two_ways(void **unused) {
-  (void)unused;
   const law l = {.hertz = true,
                  .E_star = modulus,
                  .poisson = nu,
@@ -256,7 +246,6 @@ static double roll_into_bowl(int integrator, double dt, bool mindlin, double *vi
 }
 
 static void joints(void **unused) {
-  (void)unused;
   const double kinetic = 0.5 * 0.1 * 1.5 * 0.25;
   for (int mindlin = 0; mindlin < 2; mindlin++)
     for (int integrator = 0; integrator < 2; integrator++) {
@@ -290,7 +279,6 @@ static void set(sd_simulation *s, const char *name, double value, const char *re
 /* Modulus, Poisson's ratio and radius change while disks touch: the change of the energy is
  * work, the residual stays. */
 static void steering(void **unused) {
-  (void)unused;
   const law l = {
       .hertz = true, .E_star = modulus, .poisson = nu, .mindlin = true, .mu = 0.4, .gamma_n = 1};
   const double ratio = 3 * (1 - 0.2) / (2 - 0.2);
@@ -328,7 +316,6 @@ static void steering(void **unused) {
 /* --- laws from C ------------------------------------------------------------------------------ */
 
 static void from_c(void **unused) {
-  (void)unused;
   static const struct {
     sd_contact_law law;
     const char *says; /* NULL: a right law */
@@ -372,11 +359,5 @@ static void from_c(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(elastic_impacts), cmocka_unit_test(same_as_by_stiffness),
-      cmocka_unit_test(two_ways),        cmocka_unit_test(joints),
-      cmocka_unit_test(steering),        cmocka_unit_test(from_c),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(elastic_impacts), TEST(same_as_by_stiffness), TEST(two_ways), TEST(joints),
+          TEST(steering), TEST(from_c))

@@ -1,13 +1,6 @@
 /* test_laws_cohesion.c: attraction: pull-off force, force against distance, work of separation, bridges that form and break,
  * impact speeds below which disks stick, friction under attraction.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "laws.h"
 
@@ -37,7 +30,6 @@ static void head(text *t, double dt, int integrator, const law *l, const char *m
 /* A held disk, or disk and wall; the other comes, touches by 1e-3, goes beyond every range, and comes again to a gap of a
  * quarter of the range. */
 static void force_against_distance(void **unused) {
-  (void)unused;
   for (int k = 0; k < 2; k++)
     for (int hertz = 0; hertz < 2; hertz++)
       for (int wall = 0; wall < 3; wall++) {
@@ -108,7 +100,6 @@ static void force_against_distance(void **unused) {
 
 /* A pair at rest: delta = pull_off/k_n without a load; the attraction is no force on both in sum. */
 static void rest_of_a_pair(void **unused) {
-  (void)unused;
   for (int k = 0; k < 2; k++) {
     law l = *both[k];
     l.gamma_n = 20;
@@ -163,7 +154,6 @@ static double speed_after(const law *l, const hit *h, double time, sd_energy *en
 
 /* Constant attraction gives back what it took; a bridge takes W at each impact: v'^2 = v^2 - 2 W/m. Below sqrt(2 W/m) it sticks. */
 static void bridges_in_impacts(void **unused) {
-  (void)unused;
   for (int k = 0; k < 2; k++)
     for (int i = 0; i < 2; i++) {
       const law *l = both[k];
@@ -213,7 +203,6 @@ static double parting_speed(const law *l, double m, double speed) {
 }
 
 static void critical_speed(void **unused) {
-  (void)unused;
   law l = constant;
   l.gamma_n = 8, l.pulls = true;
   hit h = head_on(0, 3e-3, 2.5e-7, SD_VERLET);
@@ -238,7 +227,6 @@ static void critical_speed(void **unused) {
 
 /* Damping with the cutoff, hertz, oblique, spinning: the reference. */
 static void against_the_reference(void **unused) {
-  (void)unused;
   for (int k = 0; k < 2; k++)
     for (int hertz = 0; hertz < 2; hertz++)
       for (int floor = 0; floor < 2; floor++) {
@@ -266,7 +254,6 @@ static void against_the_reference(void **unused) {
 
 /* A sledge on a tilted floor: friction bears mu (W cos + pull_off), and it hangs from a ceiling as well. */
 static void friction_under_attraction(void **unused) {
-  (void)unused;
   const double m = 0.5, g = 9.81, R = 0.3, mu = 0.4;
   for (int k = 0; k < 2; k++)
     for (int ceiling = 0; ceiling < 2; ceiling++)
@@ -307,11 +294,5 @@ static void friction_under_attraction(void **unused) {
       }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(force_against_distance), cmocka_unit_test(rest_of_a_pair),
-      cmocka_unit_test(bridges_in_impacts),     cmocka_unit_test(critical_speed),
-      cmocka_unit_test(against_the_reference),  cmocka_unit_test(friction_under_attraction),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(force_against_distance), TEST(rest_of_a_pair), TEST(bridges_in_impacts),
+          TEST(critical_speed), TEST(against_the_reference), TEST(friction_under_attraction))

@@ -1,13 +1,6 @@
 /* test_laws_mixed.c: three materials whose six pairs have laws drawn at random: the same bits by every way of running, and an
  * energy budget that closes with the square of the time step.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "laws.h"
 
@@ -130,7 +123,6 @@ enum { SEEDS = BRIEF(12, 3), STEPS = 2500 };
 /* --- energy ---------------------------------------------------------------------------------------------- */
 
 static void budget_closes(void **unused) {
-  (void)unused;
   enum { LEVELS = 3 };
   double logs[LEVELS] = {0}, worst[LEVELS] = {0};
   sd_energy total = {0};
@@ -160,7 +152,4 @@ static void budget_closes(void **unused) {
   assert_true(exp(logs[0] - logs[LEVELS - 1]) > 8); /* 16 when it falls with dt^2 */
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(budget_closes)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(budget_closes))

@@ -1,11 +1,4 @@
 /* test_laws_normal.c: restitution against speed, by every way of damping, with and without the cutoff. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "laws.h"
 
@@ -79,7 +72,6 @@ static double without_cutoff(double b) { return exp(-M_PI * b / sqrt(1 - b * b))
 
 /* A viscosity that makes b the same for both pairs of masses. */
 static void linear_viscosity(void **unused) {
-  (void)unused;
   for (int pulls = 0; pulls < 2; pulls++)
     for (double b = 0.05; b < 0.8; b *= 3) {
       double expected = pulls ? without_cutoff(b) : sd_restitution(1, 2 * b, 1).restitution;
@@ -96,7 +88,6 @@ static void linear_viscosity(void **unused) {
 }
 
 static void coefficient(void **unused) {
-  (void)unused;
   static const double asked[] = {0.1, 0.5, 0.9};
   for (int hertz = 0; hertz < 2; hertz++)
     for (int pulls = 0; pulls < 2; pulls++)
@@ -113,7 +104,6 @@ static void coefficient(void **unused) {
 
 /* Both dampings add up. */
 static void coefficient_and_viscosity(void **unused) {
-  (void)unused;
   for (int pulls = 0; pulls < 2; pulls++) {
     law l = {.k_n = 1e4, .pulls = pulls, .restitution = 0.8};
     hit h = head_on(&l, 0.3, SD_VERLET, false, BRIEF(100000, 20000));
@@ -127,7 +117,6 @@ static void coefficient_and_viscosity(void **unused) {
 
 /* Hertz with gamma_n: slow impacts are damped more. */
 static void hertz_viscosity(void **unused) {
-  (void)unused;
   for (int pulls = 0; pulls < 2; pulls++) {
     double least = 1, most = 0, worst = 0;
     for (int k = 0; k < SPEEDS; k++)
@@ -157,7 +146,6 @@ static void hertz_viscosity(void **unused) {
 
 /* Without the cutoff the force at the end is -gamma_n e v; with it, it is never below 0. */
 static void pull(void **unused) {
-  (void)unused;
   for (int pulls = 0; pulls < 2; pulls++) {
     law l = {.k_n = 1e4, .gamma_n = 20, .pulls = pulls};
     hit h = head_on(&l, 1, SD_VERLET, false, 100000);
@@ -174,13 +162,5 @@ static void pull(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(linear_viscosity),
-      cmocka_unit_test(coefficient),
-      cmocka_unit_test(coefficient_and_viscosity),
-      cmocka_unit_test(hertz_viscosity),
-      cmocka_unit_test(pull),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(linear_viscosity), TEST(coefficient), TEST(coefficient_and_viscosity),
+          TEST(hertz_viscosity), TEST(pull))

@@ -3,12 +3,6 @@
  * A disk of mass m and inertia m R^2/2 that rolls has 3 m/2 behind its centre: rocking w^2 = k_r/(3 m/2), slowing down
  * mu_r F_n/(3 m/2).
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 #include <gsl/gsl_linalg.h>
 
 #include "brief.h"
@@ -54,7 +48,6 @@ static void linear_motion(const law *l, double t, double s[4]) {
 
 /* Springs and dashpots that do not give way: matrix exponential; and the period of rocking. */
 static void rocking(void **unused) {
-  (void)unused;
   for (int i = 0; i < 2; i++)
     for (int damped = 0; damped < 2; damped++) {
       law l = {.k_n = 1e5, .k_t = 4e4, .mu = 1e3, .k_r = 50, .mu_r = 1e3};
@@ -87,7 +80,6 @@ static void rocking(void **unused) {
 
 /* The spring takes the limit after x_1 = mu_r m g/k_r, from where on the disk slows down evenly; it stops, and rocks back. */
 static void rolling_to_rest(void **unused) {
-  (void)unused;
   for (int i = 0; i < 2; i++) {
     const law l = {.k_n = 1e6, .k_t = 1e6, .mu = 0.5, .k_r = 500, .mu_r = 0.02};
     const double dt = 4e-6, speed = 0.8, limit = l.mu_r * m * g, mass = 1.5 * m,
@@ -129,7 +121,6 @@ static void rolling_to_rest(void **unused) {
 
 /* mu_r keeps it at rest below its angle; above, it rolls with 2/3 g (sin - mu_r cos). */
 static void slope(void **unused) {
-  (void)unused;
   const law l = {
       .k_n = 1e6, .k_t = 1e6, .mu = 0.5, .gamma_t = 100, .k_r = 5e3, .gamma_r = 40, .mu_r = 0.1};
   for (int k = -1; k <= 1; k += 2) {
@@ -152,7 +143,6 @@ static void slope(void **unused) {
 
 /* Two disks whose centres are held turn against each other. */
 static void held_pair(void **unused) {
-  (void)unused;
   for (int sliding = 0; sliding < 2; sliding++)
     for (int i = 0; i < 2; i++) {
       const double ra = 0.5, rb = 0.3, ma = 0.6, mb = 0.2, reduced = ra * rb / (ra + rb),
@@ -206,7 +196,6 @@ static void held_pair(void **unused) {
 /* Small swings at the bottom of a drum, with R_eff = R R_w/(R_w - R): 3/2 m s'' = -m g s/(R_w - R) - k_r (R_eff/R)^2 s. And
  * a disk on a fixed round top, which k_r holds, with R_eff = R R_b/(R + R_b). */
 static void round_walls(void **unused) {
-  (void)unused;
   for (int top = 0; top < 2; top++) {
     const law l = {.k_n = 1e6, .k_t = 1e6, .mu = 10, .k_r = 60, .mu_r = 10};
     const double dt = 4e-6, wall = 1.3, speed = 1e-3, apart = top ? wall + R : wall - R;
@@ -245,7 +234,6 @@ static void round_walls(void **unused) {
 
 /* A floor that turns about its pivot takes a disk with it: the rolling spring feels the wall's angle. */
 static void turning_floor(void **unused) {
-  (void)unused;
   const law l = {.k_n = 1e4, .k_r = 300, .mu_r = 1e3};
   const double dt = 1e-5, turn = 0.2;
   text t = {0};
@@ -274,11 +262,5 @@ static void turning_floor(void **unused) {
   system_end(s);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rocking),     cmocka_unit_test(rolling_to_rest),
-      cmocka_unit_test(slope),       cmocka_unit_test(held_pair),
-      cmocka_unit_test(round_walls), cmocka_unit_test(turning_floor),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(rocking), TEST(rolling_to_rest), TEST(slope), TEST(held_pair), TEST(round_walls),
+          TEST(turning_floor))

@@ -2,13 +2,6 @@
  *
  * A disk of inertia m R^2/2 that cannot leave a floor has 1/m* = 1/m + R^2/I = 3/m in its tangential motion.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "laws.h"
 
@@ -24,7 +17,6 @@ static void head(text *t, double dt, int integrator) {
 
 /* Tangential oscillation of a disk on a floor and of a pair whose centres are held: exp(-b t) cos(w t) and so on. */
 static void dashpot(void **unused) {
-  (void)unused;
   for (int pair = 0; pair < 2; pair++)
     for (int mindlin = 0; mindlin < 2; mindlin++)
       for (int i = 0; i < 2; i++) {
@@ -110,7 +102,6 @@ static const struct {
 
 /* Both end with the velocities of the reference, at every angle of incidence. */
 static void oblique(void **unused) {
-  (void)unused;
   static const double angles[] = {0.02, 0.1, 0.3, 0.6, 0.9, 1.2, 1.5};
   for (size_t n = 0; n < sizeof laws / sizeof *laws; n++) {
     const law *l = &laws[n].law;
@@ -151,7 +142,6 @@ static void oblique(void **unused) {
 /* Rebound of the contact point against its incidence, after Maw, Barber and Fawcett (Wear 38, 101): backwards at small angles,
  * where the spring gives back, and in gross sliding u' = u - 3 mu (1 + e) v at large ones. */
 static void rebound(void **unused) {
-  (void)unused;
   for (int kind = 0; kind < 2; kind++) {
     law l = {.hertz = kind,
              .mindlin = kind,
@@ -213,7 +203,6 @@ static double driven_cycle(bool mindlin, int turns, double periods, double dt, d
 /* Overlap and tangential way in phase: the way back is the way there, and all energy comes back. Out of phase y goes round a loop
  * and is left with the integral of s dlambda, whose energy the drive has put in. */
 static void closed_cycles(void **unused) {
-  (void)unused;
   for (int mindlin = 0; mindlin < 2; mindlin++) {
     double lost;
     double peak = driven_cycle(mindlin, 1, 0.25, 1e-4, &lost);
@@ -274,7 +263,6 @@ static sd_simulation *sledge(const law *l, double dt, double belt, double speed,
 
 /* Slides with mu_k and stops after v^2/(2 mu_k g); the first way is that of the spring up to the static limit. */
 static void sledge_stops(void **unused) {
-  (void)unused;
   const law l = {.k_n = 1e5, .mu = 0.5, .mu_kinetic = 0.3, .k_t = 1e6};
   const double speed = 0.7, dt = 1e-6, x1 = l.mu * m * g / l.k_t, w2 = l.k_t / m;
   double v2 = speed * speed - w2 * x1 * x1, way = x1 + 0.5 * v2 / (l.mu_kinetic * g);
@@ -299,7 +287,6 @@ static void sledge_stops(void **unused) {
 /* On a slow belt against a stop: it sticks until mu W, slips with mu_k W, sticks again: period of the closed form (Den Hartog,
  * Mechanical Vibrations, 7.3) for a stiff k_t, whole motion of the reference. */
 static void stick_slip(void **unused) {
-  (void)unused;
   const law l = {.k_n = 1e5, .mu = 0.5, .mu_kinetic = 0.3, .k_t = 1e6, .gamma_t = 1200};
   const double belt = 0.02, dt = 2e-6, weight = m * g, w = sqrt(stop_k / m);
   sd_simulation *s = sledge(&l, dt, belt, 0, true);
@@ -336,10 +323,5 @@ static void stick_slip(void **unused) {
   system_end(s);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(dashpot),       cmocka_unit_test(oblique),      cmocka_unit_test(rebound),
-      cmocka_unit_test(closed_cycles), cmocka_unit_test(sledge_stops), cmocka_unit_test(stick_slip),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(dashpot), TEST(oblique), TEST(rebound), TEST(closed_cycles), TEST(sledge_stops),
+          TEST(stick_slip))

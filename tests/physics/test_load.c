@@ -1,13 +1,5 @@
 /* test_load.c: walls that the disks move (loads and servos) against closed forms, their energy budget and their
  * bits; and accelerations in units of g. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "model/model.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
@@ -54,7 +46,6 @@ static wall_now wall_of(sd_simulation *sim, const char *name) {
 
 /* With constant acceleration velocity Verlet is exact. */
 static void a_lid_falls_freely(void **unused) {
-  (void)unused;
   for (int i = 0; i < 2; i++) {
     sd_model *m = model_with(
         integrators[i], 1e-3,
@@ -80,7 +71,6 @@ static void a_lid_falls_freely(void **unused) {
 
 /* A disk on a floor under a lid comes to rest with the two overlaps that carry what lies on them. */
 static void static_overlaps_carry_the_load(void **unused) {
-  (void)unused;
   const double k = 1e4, g = 9.81, lid_mass = 0.5, mass = 0.1, force = -3, radius = 0.1;
   for (int i = 0; i < 2; i++) {
     text t = {0};
@@ -145,7 +135,6 @@ static double oscillation_error(const char *integrator, double dt, double mass, 
 }
 
 static void a_lid_oscillates_as_theory_says(void **unused) {
-  (void)unused;
   for (int i = 0; i < 2; i++)
     for (int free_disk = 0; free_disk < 2; free_disk++) {
       double mass = free_disk ? 0.2 : 0,
@@ -195,7 +184,6 @@ static double bouncing_residual(const char *integrator, double dt, double *scale
 }
 
 static void the_energy_budget_closes(void **unused) {
-  (void)unused;
   for (int i = 0; i < 2; i++) {
     double residual[3] = {0}, scale = 0;
     for (int n = 0; n < BRIEF(3, 1); n++)
@@ -213,7 +201,6 @@ static void the_energy_budget_closes(void **unused) {
 
 /* A lid on one disk, and one beside it that pushes along itself: the friction on a floor gives way at mu N. */
 static void a_servo_reaches_its_force(void **unused) {
-  (void)unused;
   for (int i = 0; i < 2; i++)
     for (int fast = 0; fast < 2; fast++) {
       text t = {0};
@@ -244,7 +231,6 @@ static void a_servo_reaches_its_force(void **unused) {
 
 /* A run that begins in equilibrium stays there: the servo knows the forces of step 0. */
 static void a_servo_begins_at_its_force(void **unused) {
-  (void)unused;
   text t = {0};
   text_add(&t,
            "materials = ( { name = \"m\"; k_n = 1e4; gamma_n = 1; } );\n"
@@ -281,7 +267,6 @@ static void add_box(text *t, const char *friction, double speed) {
 }
 
 static void four_walls_hold_a_pressure(void **unused) {
-  (void)unused;
   static const char *const frictions[] = {"", "k_t = 5e3; mu = 0.5;"};
   for (int f = 0; f < 2; f++) {
     text t = {0};
@@ -311,7 +296,6 @@ static void four_walls_hold_a_pressure(void **unused) {
 
 /* Few disks and round walls: the step for few disks knows no such walls. */
 static void a_round_load_among_few_disks(void **unused) {
-  (void)unused;
   sd_model *m = model_with(
       "gear5", 1e-4,
       "materials = ( { name = \"m\"; k_n = 1e4; } ); disks = ( { x = 0; y = 0; radius = 0.1; mass "
@@ -344,7 +328,6 @@ static void a_round_load_among_few_disks(void **unused) {
   "{ name = \"lid\"; type = \"line\"; points = ((0, 1), (1, 1)); } );\n"
 
 static void accelerations_are_amplitudes(void **unused) {
-  (void)unused;
   const char *const deck = "gravity = { g = 9.81; tilt = 0.2; };\n" SHAKEN
                            "motions = ( { name = \"h\"; wall = \"floor\"; coordinate = \"y\"; "
                            "type = \"harmonic\"; acceleration = 2; omega = 300; },\n"
@@ -411,7 +394,6 @@ static void message_of(const char *deck, const char *moves, size_t errors, const
 #define LID(keys) "motions = ( { name = \"a\"; wall = \"lid\"; coordinate = \"y\"; " keys " } );\n"
 
 static void mistakes_are_refused(void **unused) {
-  (void)unused;
   static const struct {
     const char *deck, *motions, *what;
     size_t errors;
@@ -459,7 +441,6 @@ static void mistakes_are_refused(void **unused) {
 
 /* Load and prescribed motion of a wall in different phases; default force and length stay out of the echo's way. */
 static void a_deck_reads_back(void **unused) {
-  (void)unused;
   sd_model *m = model_of(
       G10
       "dt = 1e-5; materials = ( { name = \"m\"; k_n = 1e4; } ); container = { type = \"box\"; "
@@ -487,17 +468,8 @@ static void a_deck_reads_back(void **unused) {
   sd_model_free(m);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(a_lid_falls_freely),
-                                     cmocka_unit_test(static_overlaps_carry_the_load),
-                                     cmocka_unit_test(a_lid_oscillates_as_theory_says),
-                                     cmocka_unit_test(the_energy_budget_closes),
-                                     cmocka_unit_test(a_servo_reaches_its_force),
-                                     cmocka_unit_test(a_servo_begins_at_its_force),
-                                     cmocka_unit_test(four_walls_hold_a_pressure),
-                                     cmocka_unit_test(a_round_load_among_few_disks),
-                                     cmocka_unit_test(accelerations_are_amplitudes),
-                                     cmocka_unit_test(mistakes_are_refused),
-                                     cmocka_unit_test(a_deck_reads_back)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(a_lid_falls_freely), TEST(static_overlaps_carry_the_load),
+          TEST(a_lid_oscillates_as_theory_says), TEST(the_energy_budget_closes),
+          TEST(a_servo_reaches_its_force), TEST(a_servo_begins_at_its_force),
+          TEST(four_walls_hold_a_pressure), TEST(a_round_load_among_few_disks),
+          TEST(accelerations_are_amplitudes), TEST(mistakes_are_refused), TEST(a_deck_reads_back))

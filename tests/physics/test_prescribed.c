@@ -1,11 +1,4 @@
 /* test_prescribed.c: an element test: bodies that are all prescribed feel what they touch. Forces, budget, history. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/model.h"
 
@@ -59,7 +52,6 @@ static outcome run(const char *deck, const char *integrator) {
 
 /* At t = 2 the overlap is 0.03: whatever is held and whatever is led, by whichever words. */
 static void one_force_however_it_is_led(void **unused) {
-  (void)unused;
   static const char *const decks[] = {
       HEAD DISKS(HELD FIXED, LED FIXED) MOTIONS(PRESS("disk = \"led\"", "-0.02")),
       HEAD DISKS(HELD FIXED, LED FIXED) MOTIONS(PRESS("disk = \"held\"", "0.02")),
@@ -93,7 +85,6 @@ static void one_force_however_it_is_led(void **unused) {
 
 /* Sideways and by turning: friction is at most mu F_n, and what is held or led first makes no difference. */
 static void friction_has_its_history(void **unused) {
-  (void)unused;
 #define ALL(body) MOTIONS(PRESS(body, "-0.02") ", " SLIDE(body) ", " TURN(body))
   static const char *const decks[] = {
       HEAD DISKS(HELD FIXED, LED FIXED) ALL("disk = \"led\""),
@@ -113,7 +104,6 @@ static void friction_has_its_history(void **unused) {
 
 /* Beside a free disk, and where nothing moves, they are held as ever. */
 static void supports_stay_supports(void **unused) {
-  (void)unused;
   static const struct {
     const char *deck;
     size_t n_free;
@@ -132,11 +122,5 @@ static void supports_stay_supports(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(one_force_however_it_is_led),
-      cmocka_unit_test(friction_has_its_history),
-      cmocka_unit_test(supports_stay_supports),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(one_force_however_it_is_led), TEST(friction_has_its_history),
+          TEST(supports_stay_supports))

@@ -1,13 +1,6 @@
 /* test_sliding_configurations.c: torque, normal forces and visits in each sliding configuration: against closed forms, against
  * sums over the contacts of every step, and against the angular momentum.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "measure/observable.h"
 #include "slipdisk/deck.h"
 #include "system.h"
@@ -45,7 +38,6 @@ static const sd_state *state_of(const run *r) { return sd_simulation_state(r->si
 
 /* All time in one configuration: torque and forces of eqs. 15 to 18, which do not fluctuate. */
 static void steady_rotation(void **unused) {
-  (void)unused;
   static const char *const velocity[2] = {"-1", "1"};
   for (int c = 0; c < 4; c++) {
     char left[64], right[64];
@@ -189,7 +181,6 @@ static unsigned brute_force(const char *const *overrides, size_t n, const int64_
 }
 
 static void every_step_counts(void **unused) {
-  (void)unused;
   const char *overrides[] = {"dt=1e-5",
                              "measure.configurations=true",
                              "phases[0].steps=40000",
@@ -208,7 +199,6 @@ static void every_step_counts(void **unused) {
 
 /* The torques of all configurations, with their times, turn the disk. */
 static void torques_turn_the_disk(void **unused) {
-  (void)unused;
   const char *overrides[] = {"measure.configurations=true", "phases[0].steps=50000", "dt=1e-5",
                              "motions[*].amplitude=1e-3"};
   run r = begin("three_disk/random.cfg", 4, overrides);
@@ -228,7 +218,6 @@ static void torques_turn_the_disk(void **unused) {
 
 /* Without the key, and before anything was measured. */
 static void nothing_is_known(void **unused) {
-  (void)unused;
   run r = begin("three_disk/random.cfg", 0, NULL);
   sd_configuration q = sd_configuration_of(r.model, state_of(&r), 0);
   assert_true(q.disk == UINT32_MAX && q.steps == 0 && isnan(q.torque) && isnan(q.force_sd[1]) &&
@@ -244,9 +233,5 @@ static void nothing_is_known(void **unused) {
   end(&r);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(steady_rotation), cmocka_unit_test(every_step_counts),
-      cmocka_unit_test(torques_turn_the_disk), cmocka_unit_test(nothing_is_known)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(steady_rotation), TEST(every_step_counts), TEST(torques_turn_the_disk),
+          TEST(nothing_is_known))

@@ -4,13 +4,6 @@
  * it grows by orders of magnitude: for both integrators, from weak to strong viscosity. Gear without any gains energy slowly from
  * 20 steps per period on, so the limit alone is asked of Verlet only there.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/advice.h"
 #include "model/model.h"
@@ -51,7 +44,6 @@ static double growth(const char *integrator, double zeta, double part, double *l
 }
 
 static void limits_are_where_motion_begins_to_grow(void **unused) {
-  (void)unused;
   static const double zetas[] = {0, 0.01, 0.05, 0.2, 0.5, 1, 2};
   static const char *const integrators[] = {"verlet", "gear5"};
   for (int n = 0; n < 2; n++)
@@ -67,7 +59,6 @@ static void limits_are_where_motion_begins_to_grow(void **unused) {
 
 /* In closed form: physics.md 5. */
 static void limits_follow_from_spring_and_viscosity(void **unused) {
-  (void)unused;
   const struct {
     const char *integrator, *law;
     double gamma, dt;
@@ -107,7 +98,6 @@ static void limits_follow_from_spring_and_viscosity(void **unused) {
 
 /* By hand, too; the line of the deck is told. */
 static void a_step_beyond_the_limit_is_an_error_unless_asked_for(void **unused) {
-  (void)unused;
   sd_model *m = held("verlet", "k_n = 1.0;", 0, 1.5, "limits = { unstable_step = true; };");
   sd_messages *messages = sd_messages_new();
   sd_model_advise(m, messages);
@@ -139,7 +129,6 @@ static void a_step_beyond_the_limit_is_an_error_unless_asked_for(void **unused) 
 
 /* A run that fails near the limit says so; one that fails far from it does not. */
 static void a_failed_run_tells_how_near_dt_is(void **unused) {
-  (void)unused;
   sd_model *near = held("gear5", "k_n = 1.0;", 10, 0.004, ""),
            *far = held("gear5", "k_n = 1.0;", 0, 1e-3, "");
   char hint[200];
@@ -151,12 +140,7 @@ static void a_failed_run_tells_how_near_dt_is(void **unused) {
   sd_model_free(far);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(limits_are_where_motion_begins_to_grow),
-      cmocka_unit_test(limits_follow_from_spring_and_viscosity),
-      cmocka_unit_test(a_step_beyond_the_limit_is_an_error_unless_asked_for),
-      cmocka_unit_test(a_failed_run_tells_how_near_dt_is),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(limits_are_where_motion_begins_to_grow),
+          TEST(limits_follow_from_spring_and_viscosity),
+          TEST(a_step_beyond_the_limit_is_an_error_unless_asked_for),
+          TEST(a_failed_run_tells_how_near_dt_is))

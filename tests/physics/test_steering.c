@@ -1,17 +1,7 @@
 /* test_steering.c: changes of a running simulation (sd_simulation_set) and phases that hold and
  * release disks: closed forms, the energy budget, the same bits with any threads and after saving,
  * refused values. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-#include <math.h>
-
+#include "unit.h"
 #include "slipdisk/slipdisk.h"
 
 static void check(sd_status status, sd_messages *m) {
@@ -74,7 +64,6 @@ static const char thrown[] =
 
 /* A disk falls from rest, is thrown, falls to the side, and gets another place. */
 static void test_thrown(void **unused) {
-  (void)unused;
   FOR_INTEGRATORS {
     sd_simulation *sim = begin(thrown, *how, 1);
     advance(sim, 100);
@@ -118,7 +107,6 @@ static const char spring[] =
     "forces = ( { disk = 0; force = (0.0, -100.0); } );\n";
 
 static void test_spring(void **unused) {
-  (void)unused;
   FOR_INTEGRATORS {
     sd_simulation *sim = begin(spring, *how, 1);
     advance(sim, 1000);
@@ -141,7 +129,6 @@ static const char pushed[] =
     "forces = ( { disk = 0; force = (3.0, 0.0); } );\n";
 
 static void test_friction(void **unused) {
-  (void)unused;
   FOR_INTEGRATORS {
     sd_simulation *sim = begin(pushed, *how, 1);
     advance(sim, 100000);
@@ -172,7 +159,6 @@ static double column(sd_simulation *sim, const char *name, uint32_t body) {
 }
 
 static void test_motions(void **unused) {
-  (void)unused;
   FOR_INTEGRATORS for (int small = 0; small < 2; small++) {
     sd_simulation *sim = begin(plates, *how, 1);
     if (!small) set(sim, "held", 0, 0); /* the general step */
@@ -212,7 +198,6 @@ static void falls(sd_simulation *sim, double x, double vx, double vy) {
 }
 
 static void test_release(void **unused) {
-  (void)unused;
   FOR_INTEGRATORS {
     char deck[1200];
     snprintf(deck, sizeof deck,
@@ -261,7 +246,6 @@ static const char box[] =
     "density = 1.0; } );\n";
 
 static void test_swelling(void **unused) {
-  (void)unused;
   FOR_INTEGRATORS {
     sd_simulation *sim = begin(box, *how, 1);
     double elastic = 0;
@@ -292,7 +276,6 @@ static const char many[] =
     "               radius = 0.05; density = 1.0; } );\n";
 
 static void test_many(void **unused) {
-  (void)unused;
   uint64_t hash[3];
   for (int k = 0; k < 3; k++) {
     sd_messages *m = sd_messages_new();
@@ -338,7 +321,6 @@ static void refused(sd_simulation *sim, const char *name, uint32_t index, double
 }
 
 static void test_refused(void **unused) {
-  (void)unused;
   sd_simulation *sim = begin(pushed, "verlet", 1), *two = begin(intruder, "verlet", 1),
                 *move = begin(plates, "verlet", 1);
   refused(sim, "omega", 0, 1, "locked, held or prescribed");
@@ -369,7 +351,6 @@ static void test_refused(void **unused) {
 
 /* Gravity whose direction turns: the exact path of a disk. */
 static void test_turning(void **unused) {
-  (void)unused;
   static const char deck[] =
       "dt = 1e-3;\n" GRAIN "disks = ( { x = 0.0; y = 0.0; radius = 1.0; mass = 2.0; } );\n"
       "fields = ( { type = \"gravity\"; g = 10.0; tilt = 0.3; omega = 2.0; } );\n";
@@ -384,12 +365,6 @@ static void test_turning(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_thrown),   cmocka_unit_test(test_spring),
-      cmocka_unit_test(test_friction), cmocka_unit_test(test_motions),
-      cmocka_unit_test(test_release),  cmocka_unit_test(test_swelling),
-      cmocka_unit_test(test_refused),  cmocka_unit_test(test_turning),
-      cmocka_unit_test(test_many)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_thrown), TEST(test_spring), TEST(test_friction), TEST(test_motions),
+          TEST(test_release), TEST(test_swelling), TEST(test_refused), TEST(test_turning),
+          TEST(test_many))

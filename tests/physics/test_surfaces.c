@@ -1,12 +1,5 @@
 /* test_surfaces.c: walls whose surface runs (conveyors): disks that are taken along, the energy that this costs, belts that turn back,
  * and that a surface is what a wall that moves along itself, or a round wall that turns, would be. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "system.h"
 
 static const sd_contact_law law = {.k_n = 1e5, .k_t = 1e6, .gamma_n = 20, .mu = 0.2};
@@ -69,7 +62,6 @@ static means mean_of(sd_simulation *s, double period, double dt) {
 
 /* Slides for v/(3 mu g), then rolls with v/3; the belt spends m v^2/3, of which half is lost. */
 static void test_a_disk_is_taken_along(void **unused) {
-  (void)unused;
   const double v = 3, dt = 2e-6, time = v / (3 * law.mu * GRAVITY);
   for (int shape = 0; shape < SHAPES; shape++) {
     sd_model *m = on_belt(shape, dt);
@@ -95,7 +87,6 @@ static void test_a_disk_is_taken_along(void **unused) {
 }
 
 static void test_a_block_reaches_the_speed_of_the_belt(void **unused) {
-  (void)unused;
   const double v = 1, dt = 2e-6;
   for (int shape = 0; shape < SHAPES; shape++) {
     sd_model *m = on_belt(shape, dt);
@@ -114,7 +105,6 @@ static void test_a_block_reaches_the_speed_of_the_belt(void **unused) {
 
 /* A line that moves along itself, and a drum that turns, do the same as their surface alone. */
 static void test_a_surface_is_a_wall_that_moves(void **unused) {
-  (void)unused;
   for (int shape = 0; shape < SHAPES; shape += SHAPES - 1) {
     sd_simulation *s[2];
     for (int k = 0; k < 2; k++) {
@@ -149,7 +139,6 @@ static void test_a_surface_is_a_wall_that_moves(void **unused) {
 
 /* The other side of a wall runs back, and a disk that is carried around an end feels the belt all the way. */
 static void test_the_other_side_runs_back(void **unused) {
-  (void)unused;
   for (int shape = 0; shape < 2; shape++) {
     sd_model *m = on_belt(shape, 2e-6);
     m->gravity[1] = GRAVITY;
@@ -164,7 +153,6 @@ static void test_the_other_side_runs_back(void **unused) {
 
 /* lambda stays small however far the belt runs: a disk held in place sees the same force after 1e8 radii. */
 static void test_far(void **unused) {
-  (void)unused;
   sd_model *m = on_belt(1, 1e-4);
   m->disks[0].locked[SD_X] = m->disks[0].locked[SD_THETA] = true;
   system_shake(m, 1, SD_SURFACE, 1e-8, 2 * M_PI, 0);
@@ -184,11 +172,6 @@ static void test_far(void **unused) {
   system_end(s);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_a_disk_is_taken_along),
-                                     cmocka_unit_test(test_a_block_reaches_the_speed_of_the_belt),
-                                     cmocka_unit_test(test_a_surface_is_a_wall_that_moves),
-                                     cmocka_unit_test(test_the_other_side_runs_back),
-                                     cmocka_unit_test(test_far)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_a_disk_is_taken_along), TEST(test_a_block_reaches_the_speed_of_the_belt),
+          TEST(test_a_surface_is_a_wall_that_moves), TEST(test_the_other_side_runs_back),
+          TEST(test_far))

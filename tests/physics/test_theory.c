@@ -1,14 +1,7 @@
 /* test_theory.c: closed forms against linear algebra, quadrature and direct integration in time. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 #include <gsl/gsl_integration.h>
-#include <math.h>
 
+#include "unit.h"
 #include "slipdisk/theory.h"
 
 static void near(double value, double expected, double tolerance, const char *what) {
@@ -40,7 +33,6 @@ static sd_drive turning(sd_waveform waveform, double amplitude, double phase) {
 static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
 
 static void tep_closed_forms_solve_the_force_balance(void **unused) {
-  (void)unused;
   for (double half = 0.2; half < 1.5; half += 0.13)
     for (double tilt = -0.3; tilt < 0.31; tilt += 0.05)
       for (double mu = 0.01; mu < 0.9; mu *= 1.7)
@@ -61,7 +53,6 @@ static void tep_closed_forms_solve_the_force_balance(void **unused) {
 }
 
 static void tep_matches_the_printed_formulas(void **unused) {
-  (void)unused;
   sd_three_disk d = paper(0.04 * M_PI);
   double mu = 0.1, c = cos(d.tilt), s = sin(d.tilt), ch = cos(d.half_aperture),
          sh = sin(d.half_aperture);
@@ -77,7 +68,6 @@ static void tep_matches_the_printed_formulas(void **unused) {
 }
 
 static void wedge_is_refused(void **unused) {
-  (void)unused;
   sd_three_disk d = paper(0.05);
   d.mu = 1; /* tan(theta_h) < mu: the disk is locked between the supports in S-+ */
   assert_false(sd_tep_solve(&d, -1, 1).stable);
@@ -100,7 +90,6 @@ static void wedge_is_refused(void **unused) {
 /* --- periodic solutions -------------------------------------------------------------------------------- */
 
 static void sync_parabola_is_exact(void **unused) {
-  (void)unused;
   const double amplitudes[] = {1e-3, 4e-3, 1e-2, 4e-2, 1e-1, 10};
   for (size_t k = 0; k < sizeof amplitudes / sizeof *amplitudes; k++)
     for (double tilt = -0.08 * M_PI; tilt < 0.3; tilt += 0.04 * M_PI) {
@@ -124,7 +113,6 @@ static void sync_parabola_is_exact(void **unused) {
 }
 
 static void sync_sine_closed_form_and_limit(void **unused) {
-  (void)unused;
   for (double amplitude = 2e-3; amplitude < 50; amplitude *= 3) {
     sd_three_disk d = paper(0.06 * M_PI);
     sd_drive drive = turning(SD_SINE, amplitude, 0);
@@ -146,7 +134,6 @@ static void sync_sine_closed_form_and_limit(void **unused) {
 }
 
 static void async_small_tilt_slope(void **unused) {
-  (void)unused;
   sd_sliding out;
   const double amplitudes[] = {4e-3, 4e-2, 1, 100};
   for (size_t k = 0; k < 4; k++) {
@@ -181,7 +168,6 @@ static void async_small_tilt_slope(void **unused) {
 
 /* (21) and (22) as they are printed, in the interval of the print. */
 static void parabola_and_its_velocity_are_the_print(void **unused) {
-  (void)unused;
   sd_three_disk d = paper(0.1);
   sd_drive drive = turning(SD_PARABOLA, 0.3, 0);
   double a = 0.3, pi2 = M_PI * M_PI;
@@ -206,7 +192,6 @@ static void parabola_and_its_velocity_are_the_print(void **unused) {
 /* Times from the print's (25), (43) against the corners of the periodic solution, from the weakest drive of permanent
  * sliding on; Omega(t) of (28) between them; below the weakest drive contacts stick. */
 static void transition_times_of_supports_in_phase(void **unused) {
-  (void)unused;
   for (double half = 0.3; half < 1.2; half += 0.2)
     for (double tilt = -0.4 * half; tilt < 0.41 * half; tilt += 0.2 * half)
       for (double strength = 1.001; strength < 1e5; strength *= 6) {
@@ -240,7 +225,6 @@ static void transition_times_of_supports_in_phase(void **unused) {
 /* The cycle of (32)-(34), S-- S-+ S++ S+-, is that of a weak drive; of a strong one it is S++ S+- S++ S-+.
  * At small tilt they meet where T++/(I slope) = mu cot theta_h, the slope being that of the supports' velocity. */
 static void cycle_of_supports_in_opposite_phases(void **unused) {
-  (void)unused;
   for (double half = 0.3; half < 1.3; half += 0.2)
     for (double mu = 0.02; mu < 0.25; mu *= 2)
       for (int weak = 0; weak < 2; weak++) {
@@ -275,7 +259,6 @@ static void cycle_of_supports_in_opposite_phases(void **unused) {
 /* (35) is the slope at zero tilt in both cycles, whatever the drive; for the sine it is pi^2/8 of this. Without tilt the
  * durations depend, for strong drive, on the phase alone. */
 static void small_tilt_whatever_the_drive(void **unused) {
-  (void)unused;
   sd_sliding out;
   for (double tilt = 1e-4; tilt > 5e-7;
        tilt /= 10) /* what is left is of the next order in the tilt */
@@ -334,7 +317,6 @@ static double integrated(const sd_three_disk *d, const sd_drive *drive, int peri
 }
 
 static void periodic_solution_is_where_time_stepping_ends(void **unused) {
-  (void)unused;
   const double phases[] = {0, 1.1, M_PI};
   for (int shape = SD_SINE; shape <= SD_PARABOLA; shape++)
     for (int p = 0; p < 3; p++) {
@@ -354,7 +336,6 @@ static void periodic_solution_is_where_time_stepping_ends(void **unused) {
 }
 
 static void weak_and_uneven_drives_stick_as_time_stepping_does(void **unused) {
-  (void)unused;
   int sticking = 0;
   for (int shape = SD_SINE; shape <= SD_PARABOLA; shape++)
     for (double amplitude = 1e-4; amplitude < 1.3e-3; amplitude *= 1.6)
@@ -374,7 +355,6 @@ static void weak_and_uneven_drives_stick_as_time_stepping_does(void **unused) {
 }
 
 static void solution_is_consistent_and_symmetric(void **unused) {
-  (void)unused;
   for (int shape = SD_SINE; shape <= SD_PARABOLA; shape++)
     for (double phase = 0; phase < 2 * M_PI; phase += 0.1)
       for (double amplitude = 1e-4; amplitude < 1; amplitude *= 5) {
@@ -435,7 +415,6 @@ static sd_collision collided(double k, double gamma, double m) {
 }
 
 static void restitution_against_integration(void **unused) {
-  (void)unused;
   const double damping[] = {0, 0.1, 0.5, 0.7, 0.75, 0.9, 1, 1.1, 1.3, 2}; /* of critical */
   for (size_t i = 0; i < sizeof damping / sizeof *damping; i++) {
     double k = 1000, m = 0.1, gamma = damping[i] * 2 * sqrt(k * m);
@@ -454,7 +433,6 @@ static void restitution_against_integration(void **unused) {
 }
 
 static void sliding_collisions_and_rolling(void **unused) {
-  (void)unused;
   double m = 2, r = 0.5, inertia = m * r * r / 2, mu = 0.2, e = 0.8;
   sd_oblique a = sd_gross_sliding(m, inertia, r, mu, e, 1.5, 4, 0);
   near(a.v_t, 4 - mu * (1 + e) * 1.5, 1e-14, "v_t");
@@ -485,7 +463,6 @@ static double density(double nu, void *argument) {
 }
 
 static void vibration_covariance_is_the_transform_of_its_spectrum(void **unused) {
-  (void)unused;
   const double dampings[] = {0.2, 0.5, 0.999999, 1, 1.000001, 3};
   gsl_integration_workspace *w1 = gsl_integration_workspace_alloc(1000);
   gsl_integration_workspace *w2 = gsl_integration_workspace_alloc(1000);
@@ -520,24 +497,13 @@ static void vibration_covariance_is_the_transform_of_its_spectrum(void **unused)
   assert_true(isfinite(c[0]) && isfinite(c[1]) && isfinite(c[2]));
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(tep_closed_forms_solve_the_force_balance),
-      cmocka_unit_test(tep_matches_the_printed_formulas),
-      cmocka_unit_test(wedge_is_refused),
-      cmocka_unit_test(sync_parabola_is_exact),
-      cmocka_unit_test(sync_sine_closed_form_and_limit),
-      cmocka_unit_test(async_small_tilt_slope),
-      cmocka_unit_test(parabola_and_its_velocity_are_the_print),
-      cmocka_unit_test(transition_times_of_supports_in_phase),
-      cmocka_unit_test(cycle_of_supports_in_opposite_phases),
-      cmocka_unit_test(small_tilt_whatever_the_drive),
-      cmocka_unit_test(periodic_solution_is_where_time_stepping_ends),
-      cmocka_unit_test(weak_and_uneven_drives_stick_as_time_stepping_does),
-      cmocka_unit_test(solution_is_consistent_and_symmetric),
-      cmocka_unit_test(restitution_against_integration),
-      cmocka_unit_test(sliding_collisions_and_rolling),
-      cmocka_unit_test(vibration_covariance_is_the_transform_of_its_spectrum),
-  };
-  return cmocka_run_group_tests_name("theory", tests, NULL, NULL);
-}
+RUN_TESTS(TEST(tep_closed_forms_solve_the_force_balance), TEST(tep_matches_the_printed_formulas),
+          TEST(wedge_is_refused), TEST(sync_parabola_is_exact),
+          TEST(sync_sine_closed_form_and_limit), TEST(async_small_tilt_slope),
+          TEST(parabola_and_its_velocity_are_the_print),
+          TEST(transition_times_of_supports_in_phase), TEST(cycle_of_supports_in_opposite_phases),
+          TEST(small_tilt_whatever_the_drive), TEST(periodic_solution_is_where_time_stepping_ends),
+          TEST(weak_and_uneven_drives_stick_as_time_stepping_does),
+          TEST(solution_is_consistent_and_symmetric), TEST(restitution_against_integration),
+          TEST(sliding_collisions_and_rolling),
+          TEST(vibration_covariance_is_the_transform_of_its_spectrum))

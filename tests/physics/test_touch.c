@@ -1,14 +1,5 @@
 /* Impacts at all phases of the time step: the tangential spring, rolling and the budget begin at the moment of touch, so that the
  * outgoing spin is of second order in dt where friction limits it, and elastic contacts lose nothing on average. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-
-#include <cmocka.h>
-#include <math.h>
-
 #include "brief.h"
 #include "brief.h"
 #include "slipdisk/deck.h"
@@ -101,7 +92,6 @@ static double error_of(int shape, const law *l, int integrator, int steps, doubl
 }
 
 static void spin_is_of_second_order(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++)
     for (int shape = 0; shape < SHAPES; shape++)
       for (int k = 0; k < LAWS; k++) {
@@ -118,7 +108,6 @@ static void spin_is_of_second_order(void **unused) {
 /* A disk to and fro between two walls, 1000 impacts, in a material without losses: before the force of the last step was booked, 0.3
  * to 0.6 of its energy was told as viscous loss. The residual is what the integrator itself gains or loses. */
 static void elastic_contacts_lose_nothing(void **unused) {
-  (void)unused;
   static const char *const elastic[] = {"k_n = 1e4;", "law = \"hertz\"; k_n = 1e5;",
                                         "k_n = 1e4; k_t = 8e3; mu = 1e9;",
                                         "k_n = 1e4; k_t = 8e3; mu = 1e9; k_r = 4e3; mu_r = 1e9;"};
@@ -147,10 +136,4 @@ static void elastic_contacts_lose_nothing(void **unused) {
     }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(spin_is_of_second_order),
-      cmocka_unit_test(elastic_contacts_lose_nothing),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(spin_is_of_second_order), TEST(elastic_contacts_lose_nothing))

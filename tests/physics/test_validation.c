@@ -3,20 +3,11 @@
  * Time steps here are 1e-5, ten times the decks': docs/validation.md shows that results do not change.
  * slow_validation.c has the longer runs.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "validation.h"
 
 /* --- random vibration (52) ----------------------------------------------------------------------------- */
 
 static void tilt_and_random_vibration_turn_the_disk(void **unused) {
-  (void)unused;
   vibrated right = vibrate(0.04, 1e-5, 60, 1, ""), left = vibrate(-0.04, 1e-5, 60, 1, "");
   print_message("tilt 0.04 pi: Omega %.3g +- %.2g, tilt -0.04 pi: %.3g +- %.2g\n",
                 right.rotation.omega, right.rotation.error, left.rotation.omega,
@@ -38,7 +29,6 @@ static void tilt_and_random_vibration_turn_the_disk(void **unused) {
 }
 
 static void without_tilt_nothing_turns(void **unused) {
-  (void)unused;
   vibrated level = vibrate(0, 1e-5, 100, 1, "");
   print_message("no tilt: Omega %.3g +- %.2g\n", level.rotation.omega, level.rotation.error);
   assert_true(fabs(level.rotation.omega) < 2 * level.rotation.error);
@@ -50,7 +40,6 @@ static void without_tilt_nothing_turns(void **unused) {
 static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
 
 static void steady_supports_bring_the_tep_torques(void **unused) {
-  (void)unused;
   const double tilts[] = {0, 0.04, -0.08};
   for (size_t t = 0; t < sizeof tilts / sizeof *tilts; t++)
     for (int k = 0; k < 4; k++) {
@@ -103,7 +92,6 @@ static void within(const char *name, const drive *d, double tolerance) {
 }
 
 static void in_phase_within_two_per_cent(void **unused) {
-  (void)unused;
   drive d = {
       .waveform = SD_PARABOLA, .amplitude = 0.04, .w = 20, .tilt = 0.04, .time = 10, .dt = 1e-5};
   sd_three_disk disk = paper_disk(d.tilt);
@@ -120,7 +108,6 @@ static void in_phase_within_two_per_cent(void **unused) {
 }
 
 static void opposite_within_two_per_cent_in_the_limit(void **unused) {
-  (void)unused;
   drive d = {.opposite = true,
              .waveform = SD_PARABOLA,
              .amplitude = 0.04,
@@ -190,7 +177,6 @@ static double written_down(const drive *d, double start) {
 /* With the paper's k_n the centre lags, and the disk turns faster than the theory has it. That this is the
  * model's answer and not an error of the engine is shown by the model written down a second time. */
 static void papers_parameters_agree_with_the_model_written_down(void **unused) {
-  (void)unused;
   drive d = {
       .waveform = SD_PARABOLA, .amplitude = 0.04, .w = 20, .tilt = 0.04, .time = 12, .dt = 1e-5};
   for (int opposite = 0; opposite < 2; opposite++) {
@@ -208,7 +194,6 @@ static void papers_parameters_agree_with_the_model_written_down(void **unused) {
 
 /* A spin given at the start dies away: the supports' surfaces pull it to rest from either side. */
 static void frozen_centre_does_not_turn(void **unused) {
-  (void)unused;
   double last[2];
   for (int side = 0; side < 2; side++) {
     trial run =
@@ -233,7 +218,6 @@ static void frozen_centre_does_not_turn(void **unused) {
 }
 
 static void frozen_centre_under_random_drive_does_not_turn(void **unused) {
-  (void)unused;
   trial run = trial_begin(
       "three_disk/frozen.cfg",
       "dt=1e-5;motions.turn.type=random;motions.turn.amplitude=1e-4;phases.settle.time=1;"
@@ -247,7 +231,6 @@ static void frozen_centre_under_random_drive_does_not_turn(void **unused) {
 }
 
 static void weak_drive_does_not_turn(void **unused) {
-  (void)unused;
   trial run =
       trial_begin("three_disk/weak.cfg", "dt=1e-5;phases.settle.time=2;phases.measure.time=10;");
   trial_advance(&run, 200000);
@@ -287,7 +270,6 @@ static double drift_theory(double force) {
 }
 
 static void oscillator_drifts_towards_the_smaller_limit(void **unused) {
-  (void)unused;
   double none = drift(0), forward = drift(0.02), back = drift(-0.02), more = drift(0.05);
   print_message(
       "drift %.2g at f = 0; %.6f, %.6f at f = +-0.02, theory %.6f; %.6f at 0.05, theory %.6f\n",
@@ -298,18 +280,9 @@ static void oscillator_drifts_towards_the_smaller_limit(void **unused) {
   close_to(more, drift_theory(0.05), 0.01, "drift");
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(tilt_and_random_vibration_turn_the_disk),
-      cmocka_unit_test(without_tilt_nothing_turns),
-      cmocka_unit_test(steady_supports_bring_the_tep_torques),
-      cmocka_unit_test(in_phase_within_two_per_cent),
-      cmocka_unit_test(opposite_within_two_per_cent_in_the_limit),
-      cmocka_unit_test(papers_parameters_agree_with_the_model_written_down),
-      cmocka_unit_test(frozen_centre_does_not_turn),
-      cmocka_unit_test(frozen_centre_under_random_drive_does_not_turn),
-      cmocka_unit_test(weak_drive_does_not_turn),
-      cmocka_unit_test(oscillator_drifts_towards_the_smaller_limit),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(tilt_and_random_vibration_turn_the_disk), TEST(without_tilt_nothing_turns),
+          TEST(steady_supports_bring_the_tep_torques), TEST(in_phase_within_two_per_cent),
+          TEST(opposite_within_two_per_cent_in_the_limit),
+          TEST(papers_parameters_agree_with_the_model_written_down),
+          TEST(frozen_centre_does_not_turn), TEST(frozen_centre_under_random_drive_does_not_turn),
+          TEST(weak_drive_does_not_turn), TEST(oscillator_drifts_towards_the_smaller_limit))

@@ -1,12 +1,5 @@
 /* test_wall_shapes.c: one wall in several shapes gives one motion and one energy budget, whatever a contact remembers or costs: joints of
  * arcs, polylines and walls that meet are no events. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "system.h"
 
 static const struct {
@@ -112,7 +105,6 @@ static void compare(sd_simulation *one, sd_simulation *two, const char *shape, c
 }
 
 static void test_round_walls(void **unused) {
-  (void)unused;
   for (size_t law = 0; law < LAWS; law++)
     for (int inside = 0; inside < 2; inside++)
       for (int turns = 0; turns < 2; turns++) {
@@ -152,7 +144,6 @@ static void add_flat(sd_model *m, int shape, const double d[2]) {
 }
 
 static void test_straight_walls(void **unused) {
-  (void)unused;
   for (size_t law = 0; law < LAWS; law++)
     for (int way = 0; way < 8; way++) {
       const double angle = way % 2 ? 0.37 : 0, d[2] = {cos(angle), sin(angle)};
@@ -184,7 +175,6 @@ static void test_straight_walls(void **unused) {
 
 /* Over a convex corner, into a concave one: a polyline, and segments in any order and way. */
 static void test_corners(void **unused) {
-  (void)unused;
   const double points[4][2] = {{-3, 0.2}, {0, 0}, {1.5, -0.9}, {5, -0.2}};
   for (size_t law = 0; law < LAWS; law++) {
     sd_simulation *s[4];
@@ -213,7 +203,6 @@ static void test_corners(void **unused) {
 
 /* A stadium of two segments and two arcs: a disk that sticks to it runs around it, inside or outside, and always has one contact. */
 static void test_a_stadium(void **unused) {
-  (void)unused;
   for (int inside = 0; inside < 2; inside++) {
     const sd_contact_law sticky = {
         .k_n = 1e4, .cohesion = SD_COHESION_CONSTANT, .pull_off = 2, .range = 0.1};
@@ -250,7 +239,6 @@ static void test_a_stadium(void **unused) {
 
 /* A disk that lies on a joint is carried once: of two, three walls, also of different materials, level and tilted. */
 static void test_on_a_joint(void **unused) {
-  (void)unused;
   const sd_contact_law one = {.k_n = 1e4, .gamma_n = 3}, table[] = {one, one, one, one};
   for (int kind = 0; kind < 6; kind++) {
     const double angle = kind % 2 ? 0.37 : 0, d[2] = {cos(angle), sin(angle)};
@@ -278,10 +266,5 @@ static void test_on_a_joint(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_round_walls), cmocka_unit_test(test_straight_walls),
-      cmocka_unit_test(test_corners), cmocka_unit_test(test_a_stadium),
-      cmocka_unit_test(test_on_a_joint)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_round_walls), TEST(test_straight_walls), TEST(test_corners),
+          TEST(test_a_stadium), TEST(test_on_a_joint))

@@ -3,13 +3,6 @@
  * A disk is led around a wall along a prescribed path. `follow` integrates lambda in the test's own way, from
  * the nearest point of the whole wall, and everything the engine says is compared with that at every step.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "system.h"
 
 enum { MOST_CORNERS = 8, TABLE = 2000 };
@@ -222,7 +215,6 @@ static round_trip square(void) {
 }
 
 static void disk_led_around_polygons(void **unused) {
-  (void)unused;
   round_trip trip = square();
   go_round(&trip, SD_GEAR5, "square");
   trip.laps = -1.7;
@@ -246,7 +238,6 @@ static void disk_led_around_polygons(void **unused) {
 }
 
 static void disk_led_around_both_ends_of_a_segment(void **unused) {
-  (void)unused;
   round_trip trip = {.n = 2,
                      .corner = {{0.3, 0.2}, {2, 1}},
                      .pivot = {0.3, 0.2},
@@ -266,7 +257,6 @@ static void disk_led_around_both_ends_of_a_segment(void **unused) {
 
 /* A smooth disk in a groove of slopes a (left) and b (right): forces m g sin b/sin(a + b), m g sin a/sin(a + b). */
 static void groove_has_two_contacts(void **unused) {
-  (void)unused;
   for (int way = 0; way < 2; way++)
     for (double a = 0.3; a < 1.5; a += 0.35) {
       double b = 0.9 - 0.3 * a, weight = 9.81, k_n = 1e4;
@@ -318,7 +308,6 @@ static sd_simulation *on_jointed_wall(sd_integrator integrator, sd_contact_law l
 
 /* Above a joint exactly, one piece carries the disk, not two. */
 static void joint_below_a_disk_is_not_felt(void **unused) {
-  (void)unused;
   for (int c = 0; c < 12; c++) {
     sd_simulation *s = on_jointed_wall(c % 2 ? SD_VERLET : SD_GEAR5, joint_laws[c / 2 % 3], true,
                                        c < 6 ? 1 : -1, 0, 0);
@@ -334,7 +323,6 @@ static void joint_below_a_disk_is_not_felt(void **unused) {
 /* Sliding over joints is the same as over one piece. With friction it is so to the order of dt: in the step in
  * which the trial coordinates pass a joint, the skin's force is missing. */
 static void joints_on_the_way_are_not_felt(void **unused) {
-  (void)unused;
   for (int c = 0; c < 12; c++) {
     sd_simulation *s[2];
     sd_energy energy[2];
@@ -427,7 +415,6 @@ static void slide_then_roll(const slide_case *c) {
 }
 
 static void sliding_turns_into_rolling(void **unused) {
-  (void)unused;
   for (int integrator = 0; integrator < 2; integrator++) {
     sd_integrator i = (sd_integrator)integrator;
     slide_case cases[] = {
@@ -444,7 +431,6 @@ static void sliding_turns_into_rolling(void **unused) {
 
 /* Down a slope without sliding: g sin(a) 2/3; steeper than tan a = 3 mu it slides: g (sin a - mu cos a). */
 static void disk_goes_down_a_slope(void **unused) {
-  (void)unused;
   const double g = 9.81, mu = 0.2, k_n = 1e5, k_t = 1e6, mass = 1, radius = 0.5, dt = 2e-5,
                time = 0.5;
   for (int integrator = 0; integrator < 2; integrator++)
@@ -474,7 +460,6 @@ static void disk_goes_down_a_slope(void **unused) {
 
 /* A disk that cannot turn is carried up to the angle of friction; there it slides. */
 static void drum_drags_a_disk_to_the_angle_of_friction(void **unused) {
-  (void)unused;
   for (int variant = 0; variant < 2; variant++)
     for (int sense = -1; sense <= 1; sense += 2) {
       const double g = 9.81, mu = 0.4, k_n = 1e5, dt = 4e-5, hollow = 2, radius = 0.25;
@@ -503,7 +488,6 @@ static void drum_drags_a_disk_to_the_angle_of_friction(void **unused) {
 
 /* A free disk rolls at the drum's surface speed and stays at the bottom. */
 static void disk_rolls_in_a_turning_drum(void **unused) {
-  (void)unused;
   const double g = 9.81, k_n = 1e5, dt = 2e-5, hollow = 2, radius = 0.25, turn = 0.8;
   sd_model *m =
       system_new(SD_GEAR5, SD_CONSERVATIVE, dt,
@@ -537,7 +521,6 @@ static void expect(sd_model *m, const char *error) {
 }
 
 static void walls_that_cannot_be_are_refused(void **unused) {
-  (void)unused;
   for (int c = 0; c < 8; c++) {
     sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-4, joint_laws[0]);
     system_disk(m, 0, 0, 0.5, 1);
@@ -559,18 +542,8 @@ static void walls_that_cannot_be_are_refused(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(disk_led_around_polygons),
-      cmocka_unit_test(disk_led_around_both_ends_of_a_segment),
-      cmocka_unit_test(groove_has_two_contacts),
-      cmocka_unit_test(joint_below_a_disk_is_not_felt),
-      cmocka_unit_test(joints_on_the_way_are_not_felt),
-      cmocka_unit_test(sliding_turns_into_rolling),
-      cmocka_unit_test(disk_goes_down_a_slope),
-      cmocka_unit_test(walls_that_cannot_be_are_refused),
-      cmocka_unit_test(drum_drags_a_disk_to_the_angle_of_friction),
-      cmocka_unit_test(disk_rolls_in_a_turning_drum),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(disk_led_around_polygons), TEST(disk_led_around_both_ends_of_a_segment),
+          TEST(groove_has_two_contacts), TEST(joint_below_a_disk_is_not_felt),
+          TEST(joints_on_the_way_are_not_felt), TEST(sliding_turns_into_rolling),
+          TEST(disk_goes_down_a_slope), TEST(walls_that_cannot_be_are_refused),
+          TEST(drum_drags_a_disk_to_the_angle_of_friction), TEST(disk_rolls_in_a_turning_drum))

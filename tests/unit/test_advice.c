@@ -1,11 +1,4 @@
 /* test_advice.c: set-ups that may be meant and seldom are (model/advice.c): each is told once, and its usual neighbour not. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/advice.h"
 #include "model/overlaps.h"
@@ -38,7 +31,6 @@ static void advised(const char *deck, const char *word) {
 }
 
 static void friction_needs_a_spring(void **unused) {
-  (void)unused;
 #define WITH(law)                                                                                  \
   VERLET "materials = ( { name = \"m\"; k_n = 1e4; gamma_n = 2.0; " law                            \
          " } );\n" GRAVITY FLOOR DISK "steps = 9;"
@@ -64,7 +56,6 @@ static void friction_needs_a_spring(void **unused) {
 }
 
 static void viscosity_bounds_the_step(void **unused) {
-  (void)unused;
 #define GEAR(gamma)                                                                                \
   "integrator = \"gear5\"; dt = 1e-3; steps = 9; materials = ( { name = \"m\"; k_n = 100; "        \
   "gamma_n = " gamma "; } );\n" FLOOR DISK
@@ -77,14 +68,12 @@ static void viscosity_bounds_the_step(void **unused) {
 }
 
 static void the_relaxer_wants_verlet(void **unused) {
-  (void)unused;
   advised("dt = 1e-3;\n" LAW GRAVITY FLOOR DISK PHASE("relax = true;"),
           "phases.p: relax = true with integrator = \"gear5\"");
   advised(DROP PHASE("relax = true;"), NULL);
 }
 
 static void goals_can_be_out_of_reach(void **unused) {
-  (void)unused;
 #define FRICTIONLESS VERLET "materials = ( { name = \"m\"; k_n = 1e4; } );\n" GRAVITY FLOOR DISK
 #define SETTLE "settle = { kinetic = 1e-9; };"
 #define SHAKE(more)                                                                                \
@@ -106,7 +95,6 @@ static void goals_can_be_out_of_reach(void **unused) {
 }
 
 static void compression_ends_with_settle(void **unused) {
-  (void)unused;
 #define BOX                                                                                        \
   VERLET LAW "box = { x = (0.0, 10.0); y = (0.0, 10.0); periodic = \"xy\"; };\n"                   \
              "packings = ( { type = \"random\"; count = 12; radius = 1.0; density = 1.0; } );\n"
@@ -130,7 +118,6 @@ static void compression_ends_with_settle(void **unused) {
 }
 
 static void boxes_deform_as_they_are_told(void **unused) {
-  (void)unused;
 #define SHEARED(law, more, cell)                                                                   \
   VERLET "materials = ( { name = \"m\"; k_n = 1e4; " law " } );\n"                                 \
          "box = { x = (0.0, 20.0); y = (0.0, 20.0); periodic = \"xy\"; };\n"                       \
@@ -158,7 +145,6 @@ static void boxes_deform_as_they_are_told(void **unused) {
 }
 
 static void deep_overlaps_throw_disks_apart(void **unused) {
-  (void)unused;
 #define TWO(y, more)                                                                               \
   VERLET LAW GRAVITY FLOOR                                                                         \
       "disks = ( { name = \"a\"; x = 0.0; y = 0.9999; radius = 1.0; mass = 1.0; },"                \
@@ -191,7 +177,6 @@ static void deep_overlaps_throw_disks_apart(void **unused) {
 }
 
 static void watched_contacts_touch(void **unused) {
-  (void)unused;
 #define WATCH(x)                                                                                   \
   VERLET LAW GRAVITY FLOOR                                                                         \
       "disks = ( { name = \"a\"; x = 0.0; y = 1.0; radius = 1.0; mass = 1.0; },"                   \
@@ -208,7 +193,6 @@ static void watched_contacts_touch(void **unused) {
 
 /* Walls that are twice in one point. Where the same motions move two whose ends meet they are one wall there. */
 static void walls_are_touched_once(void **unused) {
-  (void)unused;
 #define WALLS(a, b, x, y)                                                                          \
   VERLET LAW "walls = ( { name = \"a\"; " a " }, { name = \"b\"; " b " } );"                       \
              "disks = ( { x = " x "; y = " y "; radius = 0.1; mass = 1.0; } ); steps = 9;"
@@ -252,7 +236,6 @@ static void walls_are_touched_once(void **unused) {
 
 /* Motions that begin with a jump, go far in a step, or are too fast for it; u(0) = 0, a ramp, and surfaces are the usual. */
 static void motions_suit_the_step(void **unused) {
-  (void)unused;
 #define MOVED(what)                                                                                \
   VERLET LAW GRAVITY FLOOR DISK "steps = 9; motions = ( { name = \"m\"; wall = \"floor\"; " what   \
                                 " } );"
@@ -303,7 +286,6 @@ static void motions_suit_the_step(void **unused) {
 
 /* Prescribed bodies that run into one another beside a free disk; alone they feel each other (test_prescribed). */
 static void prescribed_bodies_pass_each_other(void **unused) {
-  (void)unused;
 #define BESIDE(x, more)                                                                            \
   VERLET LAW                                                                                       \
       "disks = ( { name = \"a\"; x = 0.0; y = 0.0; radius = 0.5; mass = 1.0; fixed = true; },"     \
@@ -332,7 +314,6 @@ static void prescribed_bodies_pass_each_other(void **unused) {
 
 /* Gravity along a periodic axis, and what holds disks there. */
 static void falls_come_to_an_end(void **unused) {
-  (void)unused;
 #define CHUTE(periodic, gravity, disk, more)                                                       \
   VERLET LAW "box = { x = (0.0, 9.0); y = (0.0, 9.0); periodic = \"" periodic "\"; }; " gravity    \
              "disks = ( { x = 4.0; y = 4.0; radius = 0.5; mass = 1.0; " disk                       \
@@ -368,7 +349,6 @@ static void falls_come_to_an_end(void **unused) {
 
 /* Walls of all shapes, moved and turned. */
 static void gaps_are_those_between_surfaces(void **unused) {
-  (void)unused;
   sd_model *m =
       model_of(VERLET LAW
                "steps = 9; disks = ( { x = 0.0; y = 3.0; radius = 1.0; mass = 1.0; } );"
@@ -386,21 +366,10 @@ static void gaps_are_those_between_surfaces(void **unused) {
   sd_model_free(m);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(friction_needs_a_spring),
-      cmocka_unit_test(viscosity_bounds_the_step),
-      cmocka_unit_test(the_relaxer_wants_verlet),
-      cmocka_unit_test(goals_can_be_out_of_reach),
-      cmocka_unit_test(compression_ends_with_settle),
-      cmocka_unit_test(boxes_deform_as_they_are_told),
-      cmocka_unit_test(deep_overlaps_throw_disks_apart),
-      cmocka_unit_test(watched_contacts_touch),
-      cmocka_unit_test(walls_are_touched_once),
-      cmocka_unit_test(gaps_are_those_between_surfaces),
-      cmocka_unit_test(motions_suit_the_step),
-      cmocka_unit_test(prescribed_bodies_pass_each_other),
-      cmocka_unit_test(falls_come_to_an_end),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(friction_needs_a_spring), TEST(viscosity_bounds_the_step),
+          TEST(the_relaxer_wants_verlet), TEST(goals_can_be_out_of_reach),
+          TEST(compression_ends_with_settle), TEST(boxes_deform_as_they_are_told),
+          TEST(deep_overlaps_throw_disks_apart), TEST(watched_contacts_touch),
+          TEST(walls_are_touched_once), TEST(gaps_are_those_between_surfaces),
+          TEST(motions_suit_the_step), TEST(prescribed_bodies_pass_each_other),
+          TEST(falls_come_to_an_end))

@@ -1,13 +1,5 @@
 /* test_bounds.c: disks that leave: told of, a reason to stop, or taken out with the energy budget closed; and where
  * limits are when nobody gives them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/model.h"
 #include "physics/step/outside.h"
@@ -54,7 +46,6 @@ static const char *last_text(const sd_messages *messages) {
 }
 
 static void told_of(void **unused) {
-  (void)unused;
   sd_model *m = box_model("bounds = { x = (-1, 1); y = (-0.1, 2); };"), *free_fall = box_model("");
   sd_messages *messages = sd_messages_new();
   sd_simulation *sim = begin_run(m, 1), *other = begin_run(free_fall, 1);
@@ -82,7 +73,6 @@ static void told_of(void **unused) {
 }
 
 static void reason_to_stop(void **unused) {
-  (void)unused;
   sd_model *m = box_model("bounds = { x = (-1, 1); y = (-0.1, 2); outside = \"stop\"; };");
   sd_messages *messages = sd_messages_new();
   sd_simulation *sim = begin_run(m, 1);
@@ -101,7 +91,6 @@ static void reason_to_stop(void **unused) {
 }
 
 static void taken_out(void **unused) {
-  (void)unused;
   /* in the hole itself, where disks touch the ends of the floor and one another */
   sd_model *m = box_model("bounds = { x = (-1, 1); y = (0.005, 2); outside = \"remove\"; };");
   sd_messages *messages = sd_messages_new();
@@ -131,7 +120,6 @@ static void taken_out(void **unused) {
 
 /* A ball that is thrown up leaves, comes back, and is in play as before. */
 static void comes_back(void **unused) {
-  (void)unused;
   sd_model *m =
       model_of("dt = 1e-4; gravity = { g = 10; }; steps = 25000; bounds = { y = (-1, 3); };\n"
                "materials = ( { name = \"a\"; k_n = 1e4; gamma_n = 20; } );\n"
@@ -152,7 +140,6 @@ static void comes_back(void **unused) {
 }
 
 static void without_limits_of_its_own(void **unused) {
-  (void)unused;
   /* the extent of the box is 1 high */
   sd_model *m = box_model("");
   assert_true(m->bounds.given && m->bounds.outside == SD_OUTSIDE_REPORT);
@@ -173,7 +160,6 @@ static sd_model *plain_model(const char *more) {
 }
 
 static void nothing_can_be_lost(void **unused) {
-  (void)unused;
   static const char *const open[] = {
       "", "gravity = { g = 10; };",
       "walls = ( { type = \"segment\"; points = ((-1, 0), (1, 0)); } );",
@@ -198,21 +184,10 @@ static void refused(const char *more, const char *why) {
 }
 
 static void mistakes(void **unused) {
-  (void)unused;
   refused("bounds = { x = (1, 0); };", "lower < upper");
   refused("bounds = { y = (2, 3); };", "disk 0 at (0, 1) starts outside the bounds");
   refused("bounds = { outside = \"flee\"; };", "expected one of");
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(told_of),
-      cmocka_unit_test(reason_to_stop),
-      cmocka_unit_test(taken_out),
-      cmocka_unit_test(comes_back),
-      cmocka_unit_test(without_limits_of_its_own),
-      cmocka_unit_test(nothing_can_be_lost),
-      cmocka_unit_test(mistakes),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(told_of), TEST(reason_to_stop), TEST(taken_out), TEST(comes_back),
+          TEST(without_limits_of_its_own), TEST(nothing_can_be_lost), TEST(mistakes))

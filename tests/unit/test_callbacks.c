@@ -1,18 +1,10 @@
 /* Every function of slipdisk/simulation.h is called where a program should not call it: in an observer, in a force field, and while
  * another thread is in a call. It refuses or answers, the system goes on with the same bits, and nothing is used after it was freed. */
-#include <math.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "unit.h"
 #include "slipdisk/slipdisk.h"
 
 enum { DISKS = 1600, SIDE = 40 };
@@ -226,7 +218,6 @@ static void in_force(const sd_force_columns *c, void *user) {
 }
 
 static void all_functions_in_callbacks(void **unused) {
-  (void)unused;
   for (int n = 1; n <= DISKS; n += DISKS - 1) { /* the step of small systems, and threads */
     sd_model *m = made_model((size_t)n);
     sd_simulation *sim = made(m, 2), *plain = made(m, 2);
@@ -255,7 +246,6 @@ static sd_status frees(sd_simulation *sim, void *user) {
 }
 
 static void one_that_is_freed_in_a_callback(void **unused) {
-  (void)unused;
   sd_model *m = made_model(DISKS);
   sd_simulation *sim = made(m, 2);
   int called = 0;
@@ -281,7 +271,6 @@ static sd_status starts_thread(sd_simulation *sim, void *user) {
 }
 
 static void all_functions_in_another_thread(void **unused) {
-  (void)unused;
   sd_model *m = made_model(DISKS);
   sd_simulation *sim = made(m, 2), *plain = made(m, 1);
   int called = 0;
@@ -297,7 +286,6 @@ static void all_functions_in_another_thread(void **unused) {
 
 /* The child of a fork starts threads of its own: same bits; or only frees. */
 static void a_fork_between_calls(void **unused) {
-  (void)unused;
   sd_model *m = made_model(DISKS);
   sd_simulation *sim = made(m, 2), *plain = made(m, 1);
   assert_int_equal(sd_simulation_advance(sim, 20, NULL), SD_OK);
@@ -327,7 +315,6 @@ static void forks(const sd_force_columns *c, void *user) {
 
 /* Within a force field the other threads of the step are lost: the child is told, and can free. */
 static void a_fork_within_a_force_field(void **unused) {
-  (void)unused;
   sd_model *m = made_model(DISKS);
   sd_simulation *sim = made(m, 2), *plain = made(m, 1);
   pid_t child = -1;
@@ -355,7 +342,6 @@ static void a_fork_within_a_force_field(void **unused) {
 
 /* They would feel nothing of each other. */
 static void two_disks_in_one_place(void **unused) {
-  (void)unused;
   sd_model *m = sd_model_new();
   sd_model_set(m, "dt", 1e-3);
   sd_model_add_material(m, "g", &(sd_contact_law){.k_n = 1e4});
@@ -374,7 +360,6 @@ static void two_disks_in_one_place(void **unused) {
 
 /* Each is refused with a message that names key and value, and the state stays. */
 static void disks_that_cannot_be(void **unused) {
-  (void)unused;
   sd_model *m = made_model(60);
   sd_simulation *sim = made(m, 1);
   assert_int_equal(sd_simulation_advance(sim, 10, NULL), SD_OK);
@@ -467,7 +452,6 @@ static double wild(void) {
 }
 
 static void random_calls(void **unused) {
-  (void)unused;
   const char *asked = getenv("SLIPDISK_TRIALS");
   for (uint64_t trial_seed = 1; trial_seed <= (asked ? strtoull(asked, NULL, 10) : 12);
        trial_seed++) {
@@ -496,14 +480,7 @@ static void random_calls(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(all_functions_in_callbacks),
-                                     cmocka_unit_test(one_that_is_freed_in_a_callback),
-                                     cmocka_unit_test(all_functions_in_another_thread),
-                                     cmocka_unit_test(a_fork_between_calls),
-                                     cmocka_unit_test(a_fork_within_a_force_field),
-                                     cmocka_unit_test(two_disks_in_one_place),
-                                     cmocka_unit_test(disks_that_cannot_be),
-                                     cmocka_unit_test(random_calls)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(all_functions_in_callbacks), TEST(one_that_is_freed_in_a_callback),
+          TEST(all_functions_in_another_thread), TEST(a_fork_between_calls),
+          TEST(a_fork_within_a_force_field), TEST(two_disks_in_one_place),
+          TEST(disks_that_cannot_be), TEST(random_calls))

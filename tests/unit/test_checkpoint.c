@@ -3,17 +3,7 @@
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "brief.h"
 #include "io/results/checkpoint.h"
@@ -46,7 +36,6 @@ static void write_state(sd_simulation *simulation, sd_messages *messages) {
 
 /* Looking at a simulation changes nothing. */
 static void test_reading_is_free(void **unused) {
-  (void)unused;
   char name[512];
   snprintf(name, sizeof name, "%s/inputs/three_disk/random.cfg", SLIPDISK_SOURCE_DIR);
   sd_messages *messages = sd_messages_new();
@@ -72,7 +61,6 @@ static void test_reading_is_free(void **unused) {
 /* --- damage --------------------------------------------------------------------------------------- */
 
 static void test_damage_is_found(void **unused) {
-  (void)unused;
   sd_messages *messages = sd_messages_new();
   h5_file *file;
   double data[1000];
@@ -103,7 +91,6 @@ static void test_damage_is_found(void **unused) {
 
 /* Columns that meant something else would be taken for what they are not. */
 static void test_other_formats_are_refused(void **unused) {
-  (void)unused;
   const int64_t formats[] = {CHECKPOINT_FORMAT - 1, CHECKPOINT_FORMAT + 1};
   sd_messages *messages = sd_messages_new();
   sd_model *model = NULL;
@@ -130,7 +117,6 @@ static void test_other_formats_are_refused(void **unused) {
 }
 
 static void test_errors_are_told_once(void **unused) {
-  (void)unused;
   sd_messages *messages = sd_messages_new();
   h5_file *file;
   size_t n = 2;
@@ -150,7 +136,6 @@ static void test_errors_are_told_once(void **unused) {
 /* --- round trips of the small things --------------------------------------------------------------- */
 
 static void test_h5_round_trip(void **unused) {
-  (void)unused;
   sd_messages *messages = sd_messages_new();
   h5_file *file;
   size_t dims[3] = {500, 7, 2}, none = 0;
@@ -198,7 +183,6 @@ static void test_h5_round_trip(void **unused) {
 
 /* Columns of a group, of a matrix with names, and of the last frame of an H5MD file. */
 static void test_tables(void **unused) {
-  (void)unused;
   sd_messages *messages = sd_messages_new();
   h5_file *file;
   size_t three = 3, frames[3] = {2, 3, 2}, matrix[2] = {3, 2};
@@ -254,12 +238,6 @@ static void test_tables(void **unused) {
   sd_messages_free(messages);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_reading_is_free),
-                                     cmocka_unit_test(test_damage_is_found),
-                                     cmocka_unit_test(test_errors_are_told_once),
-                                     cmocka_unit_test(test_h5_round_trip),
-                                     cmocka_unit_test(test_tables),
-                                     cmocka_unit_test(test_other_formats_are_refused)};
-  return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+RUN_TESTS_BETWEEN(make_folder, remove_folder, TEST(test_reading_is_free),
+                  TEST(test_damage_is_found), TEST(test_errors_are_told_once),
+                  TEST(test_h5_round_trip), TEST(test_tables), TEST(test_other_formats_are_refused))

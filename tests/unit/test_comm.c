@@ -8,23 +8,16 @@
  * Ranks of the test share a ledger, a file that all of them map. A rank that finds a mistake does not leave the
  * others waiting: all compare what they found, and fail together.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdatomic.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <time.h>
 #include <unistd.h>
 
+#include "unit.h"
 #include "base/comm.h"
 #include "base/comm_queue.h"
 
@@ -90,7 +83,6 @@ static bool fair(int64_t n, int least) {
 /* --- ranks ---------------------------------------------------------------------------------------- */
 
 static void ranks_know_each_other(void **unused) {
-  (void)unused;
   agree(comm_size(comm_world()) == expected_size,
         "the number of ranks is not that of the command line");
   agree(comm_rank(comm_world()) >= 0 && comm_rank(comm_world()) < comm_size(comm_world()),
@@ -102,7 +94,6 @@ static void ranks_know_each_other(void **unused) {
 }
 
 static void the_largest_reaches_all(void **unused) {
-  (void)unused;
   for (int k = 0; k < comm_size(comm_world()); k++)
     for (int sign = -1; sign <= 1; sign += 2) {
       int largest = comm_max(comm_world(), comm_rank(comm_world()) == k ? sign * 75 : -1000);
@@ -112,7 +103,6 @@ static void the_largest_reaches_all(void **unused) {
 
 /* Also what is longer than one message. */
 static void the_first_ranks_data_reach_all(void **unused) {
-  (void)unused;
   const size_t sizes[] = {0, 1, 1000, ((size_t)1 << 24) + 1};
   for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
     unsigned char *data = malloc(sizes[s] + 1);
@@ -131,7 +121,6 @@ static void the_first_ranks_data_reach_all(void **unused) {
 
 /* One queue after the other without a pause: a word that belongs to one must not reach the next. */
 static void every_task_is_given_once(void **unused) {
-  (void)unused;
   const int64_t sizes[] = {0, 1, 2, 3, 5, 64, TASKS};
   for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++) {
     clear_book();
@@ -152,7 +141,6 @@ static void every_task_is_given_once(void **unused) {
 }
 
 static void many_queues_in_a_row(void **unused) {
-  (void)unused;
   clear_book();
   enum { QUEUES = 50, EACH = 7 };
   for (int k = 0; k < QUEUES; k++) {
@@ -166,7 +154,6 @@ static void many_queues_in_a_row(void **unused) {
 
 /* Rank 0 has a task that lasts until all others are done: they get theirs from its comm_serve. */
 static void rank_0_serves_while_it_works(void **unused) {
-  (void)unused;
   clear_book();
   enum { N = 40 };
   double limit = now() + 60;
@@ -190,7 +177,6 @@ static void rank_0_serves_while_it_works(void **unused) {
 
 /* A rank that goes early, and tasks that take unequally long. */
 static void ranks_may_go_early(void **unused) {
-  (void)unused;
   for (int early = 0; early < comm_size(comm_world()); early++) {
     clear_book();
     enum { N = 60 };
@@ -260,7 +246,6 @@ static void stop_once(int from, double delay, int64_t n, int64_t quick) {
 /* The first, the last or every rank is told to stop: at once, while they ask, while they work, and while some are
  * idle since there are fewer tasks than ranks. */
 static void a_stop_reaches_all(void **unused) {
-  (void)unused;
   const double delays[] = {0, 1e-4, 0.003, 0.03};
   for (int from = -1; from < comm_size(comm_world());
        from += from == 0 && comm_size(comm_world()) > 2 ? comm_size(comm_world()) - 1 : 1)
@@ -274,7 +259,6 @@ static void a_stop_reaches_all(void **unused) {
 
 /* It comes about when the last task ends. */
 static void a_stop_near_the_end(void **unused) {
-  (void)unused;
   for (int from = -1; from < comm_size(comm_world()); from++)
     for (int k = 1; k <= 6; k++) {
       stop_once(from, 16e-4 * k, 30, 30);
@@ -284,7 +268,6 @@ static void a_stop_near_the_end(void **unused) {
 
 /* Rank 1 waits for an answer of rank 0, which does not serve, when the signal comes to either. */
 static void a_stop_while_waiting_for_an_answer(void **unused) {
-  (void)unused;
   for (int from = 0; from < 2 && from < comm_size(comm_world()); from++) {
     clear_book();
     comm_queue queue;
@@ -305,7 +288,6 @@ static void a_stop_while_waiting_for_an_answer(void **unused) {
 
 /* One rank works for a while, the others have nothing to do: they use next to no processor time. */
 static void waits_sleep(void **unused) {
-  (void)unused;
   const double lasts = 0.5, most = 0.1;
   for (int busy = 0; busy < comm_size(comm_world()); busy++) {
     clear_book();

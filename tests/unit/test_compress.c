@@ -1,13 +1,5 @@
 /* test_compress.c: changes of the lengths of a region: targets, pressure, contacts that keep their stretch, the
  * energy budget, and the same bits whatever happens on the way. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "measure/resultant.h"
 #include "model/model.h"
@@ -80,7 +72,6 @@ static void end_run(sd_simulation *sim, sd_model *m) {
 
 /* Up and down again; the last change lands on the target. */
 static void test_fraction(void **unused) {
-  (void)unused;
   sd_model *m = model_with(
       &usual, "phases = ( { steps = 4000; compress = { fraction = 0.6; rate = 1e-3; }; }, "
               "{ steps = 4000; compress = { fraction = 0.5; rate = 1e-3; }; } );");
@@ -113,7 +104,6 @@ static double recorded_pressure(sd_simulation *sim) {
 
 /* From below and from above, jammed, until nothing moves. */
 static void test_pressure(void **unused) {
-  (void)unused;
   for (int walls = 0; walls < 2; walls++) {
     request r = usual;
     r.walls = walls;
@@ -142,7 +132,6 @@ static void test_pressure(void **unused) {
 
 /* A square lattice of equal disks that overlap by d: p = k d / spacing. */
 static void test_pressure_of_a_lattice(void **unused) {
-  (void)unused;
   text t = {0};
   double d = 1e-3, spacing = 1.0 - d;
   int n = 8;
@@ -168,7 +157,6 @@ static void test_pressure_of_a_lattice(void **unused) {
 
 /* At rest in a box, the virial is the mean of the pressures on the walls. */
 static void test_pressure_on_walls(void **unused) {
-  (void)unused;
   request r = usual;
   r.walls = true;
   r.corner = -3.0;
@@ -212,7 +200,6 @@ static size_t compare_stretches(const sd_state *a, const sd_state *b, double *mo
 
 /* A change puts in what it books; no stretch changes, with disks nor with walls; all lies in the new box. */
 static void test_one_change(void **unused) {
-  (void)unused;
   for (int walls = 0; walls < 2; walls++) {
     request r = usual;
     r.walls = walls;
@@ -257,7 +244,6 @@ static void test_one_change(void **unused) {
 
 /* The residual is the integrator's: it falls with the square of dt. */
 static void test_energy(void **unused) {
-  (void)unused;
   double residual[2];
   for (int k = 0; k < 2; k++) {
     request r = usual;
@@ -300,7 +286,6 @@ static void refused(const char *more, const char *phases, const char *expected) 
 }
 
 static void test_refused(void **unused) {
-  (void)unused;
   const char *phase = "phases = ( { steps = 10; compress = { fraction = 0.6; rate = 1e-3; }; } );";
   refused("walls = ( { name = \"shelf\"; type = \"segment\"; points = ((1, 1), (2, 1)); } );\n",
           phase, "wall \"shelf\" has a size of its own");
@@ -315,7 +300,6 @@ static void test_refused(void **unused) {
 
 /* The least width of a periodic box is looked at on the way, too. */
 static void test_too_narrow(void **unused) {
-  (void)unused;
   request r = usual;
   r.wide = 3; /* 4.8 long, where 3.36 is the least */
   sd_model *m = model_with(
@@ -331,7 +315,6 @@ static void test_too_narrow(void **unused) {
 
 /* With attraction it is longer: 4.4 here; a fraction of 0.1 is reached at 3.96. */
 static void test_too_narrow_to_attract(void **unused) {
-  (void)unused;
   sd_model *m = model_of(
       "dt = 0.05; integrator = \"verlet\"; box = { x = (0, 9); y = (0, 9); periodic = \"xy\"; };\n"
       "materials = ( { name = \"m\"; k_n = 1; cohesion = \"constant\"; pull_off = 1e-9; range = 1; "
@@ -348,15 +331,6 @@ static void test_too_narrow_to_attract(void **unused) {
   end_run(sim, m);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_fraction),
-                                     cmocka_unit_test(test_pressure),
-                                     cmocka_unit_test(test_pressure_of_a_lattice),
-                                     cmocka_unit_test(test_pressure_on_walls),
-                                     cmocka_unit_test(test_one_change),
-                                     cmocka_unit_test(test_energy),
-                                     cmocka_unit_test(test_refused),
-                                     cmocka_unit_test(test_too_narrow),
-                                     cmocka_unit_test(test_too_narrow_to_attract)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_fraction), TEST(test_pressure), TEST(test_pressure_of_a_lattice),
+          TEST(test_pressure_on_walls), TEST(test_one_change), TEST(test_energy),
+          TEST(test_refused), TEST(test_too_narrow), TEST(test_too_narrow_to_attract))

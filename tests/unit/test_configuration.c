@@ -1,12 +1,6 @@
 /* Configurations with closed forms: lattices under known overlaps, a disk between walls, radical cells, rattlers, areas of
  * cut disks. Frames of runs as configurations: contacts against the engine's own forces, contacts that are found again,
  * disks that are not there. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <stdint.h>
-
 #include "brief.h"
 #include "deck_runs.h"
 #include "measure/cells.h"
@@ -137,21 +131,18 @@ static void check_lattice(double row, double shift, double contacts, double pres
 }
 
 static void test_triangular(void **state) {
-  (void)state;
   /* 3 contacts per disk, each F a in stress; cell a^2 sqrt(3)/2 */
   static const double shells[][2] = {{1.0, 6}, {1.7320508, 6}, {2.0, 6}, {2.6457513, 12}};
   check_lattice(0.5 * sqrt(3.0), 0.5, 6.0, sqrt(3.0), M_PI / (2.0 * sqrt(3.0)), shells, 4);
 }
 
 static void test_square(void **state) {
-  (void)state;
   static const double shells[][2] = {{1.0, 4}, {1.4142136, 4}, {2.0, 4}, {2.2360680, 8}};
   check_lattice(1.0, 0.0, 4.0, 1.0, M_PI / 4.0, shells, 4);
 }
 
 /* A part of a lattice, across the edge of the periodic box: the same stress and packing fraction. */
 static void test_part_of_lattice(void **state) {
-  (void)state;
   const double radius = 0.5, a = 2.0 * radius - 1e-3;
   sd_model *m = lattice(a, a, 0.0, radius);
   configuration c = at_start(m);
@@ -170,7 +161,6 @@ static void test_part_of_lattice(void **state) {
 /* --- walls -------------------------------------------------------------------------------------------- */
 
 static void test_disk_between_walls(void **state) {
-  (void)state;
   const double overlap = 1e-3, radius = 0.5, half = radius - overlap, width = 3.0;
   sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, LAW);
   system_disk(m, 0.2, 0.0, radius, 1.0);
@@ -202,7 +192,6 @@ static void test_disk_between_walls(void **state) {
 
 /* A square lattice that fills a box with walls has square cells; without a lid the upper row is open. */
 static void test_cells_at_walls(void **state) {
-  (void)state;
   for (int lid = 0; lid < 2; lid++) {
     sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, LAW);
     for (int row = 0; row < 5; row++)
@@ -228,7 +217,6 @@ static void test_cells_at_walls(void **state) {
 
 /* One disk in the middle of a drum, and six about one. */
 static void test_cells_in_drum(void **state) {
-  (void)state;
   sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, LAW);
   m->container = SD_CONTAINER_DRUM;
   system_disk(m, 1.0, 2.0, 0.5, 1.0);
@@ -304,7 +292,6 @@ static double cell_by_force(const sd_model *m, size_t i) {
 }
 
 static void test_radical_cells(void **state) {
-  (void)state;
   for (uint64_t seed = 1; seed <= 6; seed++) {
     sd_model *m = scattered(seed == 6 ? 3 : 60, 1.0, seed % 2 ? 1.0 : 3.0, seed);
     configuration c = at_start(m);
@@ -325,7 +312,6 @@ static void test_radical_cells(void **state) {
 }
 
 static void test_many_radical_cells(void **state) {
-  (void)state;
   sd_model *m = scattered(BRIEF(20000, 2000), 7.0, 11.0, 9);
   configuration c = at_start(m);
   cells t = cells_of(&c, NULL);
@@ -337,7 +323,6 @@ static void test_many_radical_cells(void **state) {
 
 /* Disks on one line, and a single one, have cells, too: nothing that spans a plane. */
 static void test_flat_cells(void **state) {
-  (void)state;
   for (int n = 1; n <= 5; n += 4) {
     sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, LAW);
     for (int k = 0; k < n; k++) system_disk(m, k, 0.0, 0.5, 1.0);
@@ -357,7 +342,6 @@ static void test_flat_cells(void **state) {
 
 /* Points without correlation: g = 1, also near the edges of an open window. */
 static void test_ideal_pairs(void **state) {
-  (void)state;
   for (int open = 0; open < 2; open++) {
     sd_model *m = scattered(4000, 10.0, 10.0, 5);
     for (size_t i = 0; i < m->n_disks; i++) m->disks[i].radius = 0.05;
@@ -381,7 +365,6 @@ static void test_ideal_pairs(void **state) {
 
 /* A chain that hangs on a ring of disks: its end is a rattler, and then the next. */
 static void test_rattlers(void **state) {
-  (void)state;
   for (int smooth = 0; smooth < 2; smooth++) {
     sd_contact_law law = LAW;
     if (smooth) law.mu = 0.0;
@@ -411,7 +394,6 @@ static void test_rattlers(void **state) {
 /* --- areas -------------------------------------------------------------------------------------------- */
 
 static void test_cut_disks(void **state) {
-  (void)state;
   region g = {.lower = {0, 0}, .upper = {10, 10}};
   double r = 0.7, all = M_PI * r * r;
   SYSTEM_NEAR(region_disk(&g, 5, 5, r), all, 0.0, "inside");
@@ -507,7 +489,6 @@ static unsigned compare_forces(sd_simulation *sim, const char *what) {
 }
 
 static void test_forces_of_a_run(void **state) {
-  (void)state;
   for (int v = 0; v < 2; v++) {
     sd_simulation *sim = trough("verlet", system_variants[v], 500.0);
     const sd_model *m = sd_simulation_model(sim);
@@ -562,14 +543,12 @@ static void recompute(const char *integrator, double gamma_n, double bound, doub
 }
 
 static void test_recomputed_contacts(void **state) {
-  (void)state;
   recompute("verlet", 0.0, 1e-13, 1e-12, 0.0);
   recompute("gear5", 500.0, 1e-8, 1e-10, 1e-3);
 }
 
 /* Disks that wait or were removed are not there; numbers are those of the deck. */
 static void test_absent_disks(void **state) {
-  (void)state;
   sd_model *m =
       system_new(SD_GEAR5, SD_PAPER, 1e-3,
                  (sd_contact_law){.k_n = 1000.0, .k_t = 500.0, .gamma_n = 1.0, .mu = 0.3});
@@ -601,15 +580,8 @@ static void test_absent_disks(void **state) {
   sd_model_free(m);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_triangular),      cmocka_unit_test(test_square),
-      cmocka_unit_test(test_part_of_lattice), cmocka_unit_test(test_disk_between_walls),
-      cmocka_unit_test(test_cells_at_walls),  cmocka_unit_test(test_cells_in_drum),
-      cmocka_unit_test(test_radical_cells),   cmocka_unit_test(test_many_radical_cells),
-      cmocka_unit_test(test_flat_cells),      cmocka_unit_test(test_ideal_pairs),
-      cmocka_unit_test(test_rattlers),        cmocka_unit_test(test_cut_disks),
-      cmocka_unit_test(test_forces_of_a_run), cmocka_unit_test(test_recomputed_contacts),
-      cmocka_unit_test(test_absent_disks)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_triangular), TEST(test_square), TEST(test_part_of_lattice),
+          TEST(test_disk_between_walls), TEST(test_cells_at_walls), TEST(test_cells_in_drum),
+          TEST(test_radical_cells), TEST(test_many_radical_cells), TEST(test_flat_cells),
+          TEST(test_ideal_pairs), TEST(test_rattlers), TEST(test_cut_disks),
+          TEST(test_forces_of_a_run), TEST(test_recomputed_contacts), TEST(test_absent_disks))

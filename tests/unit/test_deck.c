@@ -1,17 +1,9 @@
 /* test_deck.c: what decks say arrives in the model, the echo gives the same model again, -D does what it says. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
 #include <glob.h>
-#include <math.h>
 
+#include "unit.h"
 #include "model/model.h"
 #include "io/store/h5.h"
 #include "model/state.h"
@@ -71,7 +63,6 @@ static const char *const three =
     "measure = { sliding = ( { disk = 2; partners = [\"a\", \"w\"]; } ); };\n";
 
 static void test_values(void **state) {
-  (void)state;
   sd_model *m = good(three);
   assert_int_equal(m->n_phases, 1);
   assert_int_equal(m->phases[0].steps, 2000);
@@ -102,7 +93,6 @@ static void test_values(void **state) {
 
 /* locks = ( { except = ...; } ): named disks and groups keep moving. */
 static void test_locks_except(void **state) {
-  (void)state;
   static const struct {
     const char *except;
     unsigned turning; /* bit i: disk i may turn */
@@ -133,7 +123,6 @@ static void test_locks_except(void **state) {
 
 /* The stream of a motion does not depend on what else the deck moves. */
 static void test_streams(void **state) {
-  (void)state;
   const char *one = HEAD DISK "motions = ( { disk = \"a\"; coordinate = \"y\"; type = \"random\"; "
                               "amplitude = 1; frequency = 1; } );";
   const char *two = HEAD DISK
@@ -150,7 +139,6 @@ static void test_streams(void **state) {
 
 /* What libconfig lets through or cuts. */
 static void test_numbers(void **state) {
-  (void)state;
   sd_model *m =
       good("dt = 1; integrator = \"verlet\"; steps = 5e8; seed = 5000000000; box = { x = [0, "
            "10.5]; y = [0, 0x10]; };"
@@ -172,7 +160,6 @@ static void test_numbers(void **state) {
 }
 
 static void test_form(void **state) {
-  (void)state;
   bad(HEAD "/* never closed\n\n" DISK, "test.cfg:2: the comment that begins here");
   bad(HEAD "title = \"open;\n" DISK, "test.cfg:2: title = the text \"open; is not closed");
   assert_int_equal(sd_messages_errors(messages), 1);
@@ -193,7 +180,6 @@ static void test_form(void **state) {
 }
 
 static void test_overlaps(void **state) {
-  (void)state;
   const char *same =
       HEAD "disk_rows = ( { columns = [\"x\", \"y\"]; radius = 1; mass = 1; rows = (\n(0, 0), "
            "(5, 5),\n(0, 0)); } );";
@@ -227,7 +213,6 @@ static void test_overlaps(void **state) {
 }
 
 static void test_laws(void **state) {
-  (void)state;
   bad("dt = 1e-3; steps = 1; materials = ( { name = \"a\"; k_n = 1; }, { name = \"b\"; k_n = 1; "
       "} );"
       "disks = ( { x = 0; y = 0; radius = 1; mass = 1; material = \"a\"; }, { x = 5; y = 0; "
@@ -236,7 +221,6 @@ static void test_laws(void **state) {
 }
 
 static void test_overrides(void **state) {
-  (void)state;
   const char *const overrides[] = {"gravity.tilt=0.02 pi",
                                    "motions[*].ramp=0.5",
                                    "motions.r.amplitude=7",
@@ -275,7 +259,6 @@ static const char *write_file(const char *name, const char *text) {
 }
 
 static void test_files(void **state) {
-  (void)state;
   write_file("disks.csv", "# comment\nid, r, x, y, name\n\n1, 0.5, 1, 2, p\n2, 0.25, 4, 5e0, q\n");
   write_file("wave.csv", "value,time\n0,0\n1,1\n0,2\n");
   write_file("part.cfg", "# a part\nskin = 0.5;\ngravity = { g = nine; };\n");
@@ -416,7 +399,6 @@ static void round_trip(const char *path) {
 }
 
 static void test_shipped(void **state) {
-  (void)state;
   glob_t found;
   assert_int_equal(glob(SLIPDISK_SOURCE_DIR "/inputs/*/*.cfg", 0, NULL, &found), 0);
   assert_true(found.gl_pathc >= 13);
@@ -428,14 +410,10 @@ static void test_shipped(void **state) {
   globfree(&found);
 }
 
-static void test_round_trip(void **state) {
-  (void)state;
-  round_trip(write_file("three.cfg", three));
-}
+static void test_round_trip(void **state) { round_trip(write_file("three.cfg", three)); }
 
 /* Those of the list before those of packings; each keeps its disks. */
 static void test_clump_numbers(void **state) {
-  (void)state;
 #define CLUMPS(clump)                                                                              \
   HEAD "disks = ( { name = \"a\"; x = 50; y = 50; radius = 1; mass = 2; }, { name = \"b\"; x = "   \
        "52; y = 50; "                                                                              \
@@ -469,7 +447,6 @@ static void test_clump_numbers(void **state) {
 
 /* What the checks of the model find has a line too. */
 static void test_places(void **state) {
-  (void)state;
 #define PAIR                                                                                       \
   "disks = ( { name = \"a\"; x = 2; y = 2; radius = 1; mass = 2; },\n  { x = 4; y = 2; radius = "  \
   "1; mass = "                                                                                     \
@@ -497,13 +474,9 @@ static void test_places(void **state) {
       "test.cfg:7: clump \"long\": it is longer than the periodic box in x: expected locked");
 }
 
-static int set_up(void **state) {
-  (void)state;
-  return mkdtemp(folder) ? 0 : 1;
-}
+static int set_up(void **state) { return mkdtemp(folder) ? 0 : 1; }
 
 static int tear_down(void **state) {
-  (void)state;
   static const char *const names[] = {"disks.csv", "wave.csv", "part.cfg", "disks.h5",
                                       "deck.cfg",  "with.cfg", "three.cfg"};
   for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
@@ -515,15 +488,7 @@ static int tear_down(void **state) {
   return rmdir(folder);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_values),        cmocka_unit_test(test_locks_except),
-      cmocka_unit_test(test_streams),       cmocka_unit_test(test_numbers),
-      cmocka_unit_test(test_form),          cmocka_unit_test(test_overlaps),
-      cmocka_unit_test(test_laws),          cmocka_unit_test(test_overrides),
-      cmocka_unit_test(test_files),         cmocka_unit_test(test_round_trip),
-      cmocka_unit_test(test_shipped),       cmocka_unit_test(test_places),
-      cmocka_unit_test(test_clump_numbers),
-  };
-  return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+RUN_TESTS_BETWEEN(set_up, tear_down, TEST(test_values), TEST(test_locks_except), TEST(test_streams),
+                  TEST(test_numbers), TEST(test_form), TEST(test_overlaps), TEST(test_laws),
+                  TEST(test_overrides), TEST(test_files), TEST(test_round_trip), TEST(test_shipped),
+                  TEST(test_places), TEST(test_clump_numbers))

@@ -1,16 +1,8 @@
 /* test_deck_fuzz.c: damaged decks are refused or read, without a crash, a hang or a leak. Most telling in the
  * dev build, where the sanitizers watch. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 #include <glob.h>
 
+#include "unit.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
 
@@ -108,7 +100,6 @@ static void damage_deck(const char *path) {
 }
 
 static void test_damaged(void **state) {
-  (void)state;
   glob_t found;
   assert_int_equal(glob(SLIPDISK_SOURCE_DIR "/inputs/*/*.cfg", 0, NULL, &found), 0);
   for (size_t k = 0; k < found.gl_pathc; k++) damage_deck(found.gl_pathv[k]);
@@ -117,7 +108,6 @@ static void test_damaged(void **state) {
 }
 
 static void test_deep(void **state) {
-  (void)state;
   static char text[200001];
   static const char opening[] = "({[";
   for (int c = 0; c < 3; c++) {
@@ -128,7 +118,4 @@ static void test_deep(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_damaged), cmocka_unit_test(test_deep)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_damaged), TEST(test_deep))

@@ -1,17 +1,9 @@
 /* test_deck_mistakes.c: mistakes that few make and spellings that few use, each with what the reader says or takes.
  * The cases were found with tools/soak.sh coverage.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "unit.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
 
@@ -58,7 +50,6 @@ static void try_all(const corner *list, size_t n) {
 #define TRY(list) try_all(list, sizeof(list) / sizeof *(list))
 
 static void materials_and_walls(void **unused) {
-  (void)unused;
   static const corner list[] = {
       {TWO "material_pairs = ( { materials = (\"m\"); k_n = 1; } );", "the names of two materials"},
       {TWO "material_pairs = ( { materials = \"m\"; k_n = 1; } );", "the names of two materials"},
@@ -100,7 +91,6 @@ static void materials_and_walls(void **unused) {
 
 /* What no other test says: names that are there twice, coordinates that are held and move, clumps, fields, lists. */
 static void bodies_that_cannot_be(void **unused) {
-  (void)unused;
 #define CLUMP(more)                                                                                \
   START                                                                                            \
   "disks = ( { x = 0; y = 0; radius = 1; density = 1; }, { x = 4; y = 0; radius = 1; density = "   \
@@ -162,7 +152,6 @@ static void bodies_that_cannot_be(void **unused) {
 }
 
 static void tables(void **unused) {
-  (void)unused;
 #define TABLE(more)                                                                                \
   START DISK BEAM "motions = ( { wall = \"w\"; coordinate = \"x\"; type = \"table\"; " more " } "  \
                   ");"
@@ -187,7 +176,6 @@ static void tables(void **unused) {
 }
 
 static void motions(void **unused) {
-  (void)unused;
 #define MOTION(what) START DISK BEAM "motions = ( { " what " } );"
 #define SERVO(more) "type = \"servo\"; speed = 1; " more
   static const corner list[] = {
@@ -228,7 +216,6 @@ static void motions(void **unused) {
 }
 
 static void what_ends_a_run(void **unused) {
-  (void)unused;
 #define UNTIL(more) START DISK "measure = { rotation = [\"a\"]; }; until = { " more " };"
   static const corner list[] = {
       {UNTIL("error = 1; relative = 0.1; max_time = 1;"), "given together with error"},
@@ -255,7 +242,6 @@ static void what_ends_a_run(void **unused) {
 }
 
 static void phases_and_measures(void **unused) {
-  (void)unused;
 #define PHASES(what) "dt = 1e-3; materials = ( { name = \"m\"; k_n = 10; } );" DISK what
 #define SLIDING(what) START DISK BEAM "measure = { sliding = ( { " what " } ); };"
   static const corner list[] = {
@@ -288,7 +274,6 @@ static void phases_and_measures(void **unused) {
 }
 
 static void numbers_and_names(void **unused) {
-  (void)unused;
 #define ANGLE(text) START "disks = ( { x = 0; y = 0; theta = " text "; radius = 1; mass = 2; } );"
   static const corner list[] = {
       {ANGLE("\"-pi\""), NULL},
@@ -374,7 +359,6 @@ static void with_file(const char *text, const char *before, const char *after, c
 }
 
 static void files_of_numbers(void **unused) {
-  (void)unused;
   const char *table =
       START DISK BEAM "motions = ( { wall = \"w\"; coordinate = \"x\"; type = \"table\"; file = ",
              *end = "; } );";
@@ -419,7 +403,6 @@ static void with_dump(const char *text, const char *says) {
 #define ONE FRAME("7", "1", UPRIGHT, NAMES)
 
 static void dumps_of_lammps(void **unused) {
-  (void)unused;
   wrong_files = 0;
   with_dump(ONE "1 1 0 0 0.5 1\n", NULL);
   with_dump(ONE "1 C 0 0 0.5 1\n" FRAME("8", "1", UPRIGHT, NAMES) "1 1 0 0 0.5 1", NULL);
@@ -462,7 +445,6 @@ static void dumps_of_lammps(void **unused) {
 #define HEAD "LAMMPS data file\n\n1 atoms\n-1 1 xlo xhi\n-1 1 ylo yhi\n\n"
 
 static void files_of_lammps(void **unused) {
-  (void)unused;
   wrong_files = 0;
   with_atoms(HEAD "Atoms # sphere\n\n1 1 0.5 1 0 0 0\n", NULL);
   with_atoms(HEAD "Atoms # sphere  \n\n1 1 0.5 1 0 0 0 0 0 0", NULL);
@@ -500,7 +482,6 @@ static void files_of_lammps(void **unused) {
 /* --- values under the names of other programs ---------------------------------------------------- */
 
 static void words_of_others(void **unused) {
-  (void)unused;
 #define OTHER_MOTION(type)                                                                         \
   START DISK "motions = ( { disk = 0; coordinate = \"x\"; type = \"" type                          \
              "\"; amplitude = 1; frequency = 1; } );"
@@ -544,7 +525,6 @@ static void words_of_others(void **unused) {
 /* --- as after -D -------------------------------------------------------------------------------------- */
 
 static void settings(void **unused) {
-  (void)unused;
   static const struct {
     const char *setting, *says;
   } list[] = {
@@ -597,20 +577,7 @@ static void settings(void **unused) {
   assert_int_equal(wrong, 0);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(materials_and_walls),
-      cmocka_unit_test(bodies_that_cannot_be),
-      cmocka_unit_test(tables),
-      cmocka_unit_test(motions),
-      cmocka_unit_test(what_ends_a_run),
-      cmocka_unit_test(phases_and_measures),
-      cmocka_unit_test(numbers_and_names),
-      cmocka_unit_test(files_of_numbers),
-      cmocka_unit_test(files_of_lammps),
-      cmocka_unit_test(words_of_others),
-      cmocka_unit_test(dumps_of_lammps),
-      cmocka_unit_test(settings),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(materials_and_walls), TEST(bodies_that_cannot_be), TEST(tables), TEST(motions),
+          TEST(what_ends_a_run), TEST(phases_and_measures), TEST(numbers_and_names),
+          TEST(files_of_numbers), TEST(files_of_lammps), TEST(words_of_others),
+          TEST(dumps_of_lammps), TEST(settings))

@@ -1,12 +1,5 @@
 /* test_disk_means.c: means of every free disk: known rotations, a recount step by step, powers against the energy
  * budget, the same bits however a run is cut or shared, and error bars against records whose true error is known. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
 
@@ -46,7 +39,6 @@ static void end_of(sd_simulation *sim) {
 /* Disks that fly and spin without touching: everything is known; what happens between the measured phases is left
  * out of angles, and positions are absolute. */
 static void free_disks(void **unused) {
-  (void)unused;
   sd_disk_mean d[MOST];
   sd_disk_totals t;
   sd_simulation *sim = run_of(
@@ -101,7 +93,6 @@ static void free_disks(void **unused) {
 
 /* A train of equal gears behind a driven one: neighbours turn against each other. */
 static void gears(void **unused) {
-  (void)unused;
   sd_disk_mean d[MOST];
   sd_disk_totals t;
   sd_simulation *sim = run_of(
@@ -127,7 +118,6 @@ static void gears(void **unused) {
 
 /* Openings of a disk that bounces, against the state looked at after every step. */
 static void bounces(void **unused) {
-  (void)unused;
   sd_model *m =
       model_of("dt = 1e-4; gravity = { g = 10; };\n" LAW
                "disks = ( { x = 0; y = 0.3; radius = 0.1; mass = 0.1; }, "
@@ -234,7 +224,6 @@ static void near_to(double value, double expected, const char *what) {
 }
 
 static void looks_equal_a_recount(void **unused) {
-  (void)unused;
   for (int gear = 0; gear < 2; gear++) {
     text deck = {0};
     packing(&deck, gear ? "gear5" : "verlet", 2e-5, 53, 700, 2500, 3);
@@ -272,7 +261,6 @@ static void looks_equal_a_recount(void **unused) {
 /* What the disks lost in all is what the energy budget says, and what was done on them is the work, but for what
  * lies between a sum over steps and the budget's trapezoid: that falls with dt. */
 static void powers_sum_up(void **unused) {
-  (void)unused;
   for (int gear = 0; gear < 2; gear++) {
     double off[3];
     for (int level = 0; level < 3; level++) {
@@ -303,7 +291,6 @@ static void powers_sum_up(void **unused) {
 
 /* Looks change nothing that moves. */
 static void looks_change_nothing(void **unused) {
-  (void)unused;
   text deck = {0};
   packing(&deck, "verlet", 2e-5, 150, 300, 3000, 7);
   sd_model *m = model_of(deck.s);
@@ -323,7 +310,6 @@ static void looks_change_nothing(void **unused) {
 
 /* A disk that waits, or was taken out, has no means and is not counted. */
 static void disks_out_of_play(void **unused) {
-  (void)unused;
   sd_disk_mean d[MOST];
   sd_disk_totals t;
   sd_simulation *sim = run_of(
@@ -357,7 +343,6 @@ static void angle_record(gsl_rng *random, double tau, double omega, double *bin)
 }
 
 static void error_bars_cover(void **unused) {
-  (void)unused;
   enum { DISKS = 2000 };
   const double omega = 0.1;
   const struct {
@@ -413,12 +398,6 @@ static void error_bars_cover(void **unused) {
   sd_model_free(m);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(free_disks),        cmocka_unit_test(gears),
-      cmocka_unit_test(bounces),           cmocka_unit_test(looks_equal_a_recount),
-      cmocka_unit_test(powers_sum_up),     cmocka_unit_test(looks_change_nothing),
-      cmocka_unit_test(disks_out_of_play), cmocka_unit_test(error_bars_cover),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(free_disks), TEST(gears), TEST(bounces), TEST(looks_equal_a_recount),
+          TEST(powers_sum_up), TEST(looks_change_nothing), TEST(disks_out_of_play),
+          TEST(error_bars_cover))

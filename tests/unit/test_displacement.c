@@ -1,13 +1,6 @@
 /* test_displacement.c: the displacement limit is found at the same step by every form of the step, at the step of the closed form;
  * a summary tells what is not finite, and nothing where limits are off.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "io/results/summary.h"
 #include "run/ensemble.h"
 #include "run/simulation_private.h"
@@ -47,7 +40,6 @@ static sd_simulation *start_threads(sd_model *m, int threads) {
 }
 
 static void closed_form(void **unused) {
-  (void)unused;
   for (int k = 0; k < 2; k++)
     for (int threads = 1; threads <= 3; threads++) {
       sd_simulation *s = start_threads(falling(k ? SD_VERLET : SD_GEAR5), threads);
@@ -66,7 +58,6 @@ static void closed_form(void **unused) {
 
 /* Speeds of the deck are looked at before the first step; 0 switches the limit off. */
 static void at_the_start(void **unused) {
-  (void)unused;
   for (int k = 0; k < 2; k++) {
     sd_model *m = falling(SD_GEAR5);
     system_velocity(m, 5, 0, 300, 0);
@@ -99,7 +90,6 @@ static sd_model *three_disks(const char *integrator, const char *limit) {
 
 /* Limits that are crossed sooner, later, and never; beside each other. */
 static void forms_of_the_step(void **unused) {
-  (void)unused;
   static const char *const limits[MEMBERS] = {
       "limits.displacement=1e-10", "limits.displacement=3e-9", "limits.displacement=0",
       "limits.displacement=6e-9", "limits.displacement=0.1"};
@@ -152,7 +142,6 @@ static size_t doubts_of(const sd_model *m, const sd_state *state, sd_energy ener
 }
 
 static void not_finite(void **unused) {
-  (void)unused;
   sd_simulation *s = system_start(falling(SD_GEAR5));
   const sd_model *m = sd_simulation_model(s);
   sd_state *state = (sd_state *)(uintptr_t)sd_simulation_state(s);
@@ -182,7 +171,6 @@ static void not_finite(void **unused) {
 }
 
 static void limits_of_the_residual(void **unused) {
-  (void)unused;
   sd_model *m = falling(SD_GEAR5);
   sd_simulation *s = system_start(m);
   const sd_state *state = sd_simulation_state(s);
@@ -206,13 +194,5 @@ static void limits_of_the_residual(void **unused) {
   system_end(s);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(closed_form),
-      cmocka_unit_test(at_the_start),
-      cmocka_unit_test(forms_of_the_step),
-      cmocka_unit_test(not_finite),
-      cmocka_unit_test(limits_of_the_residual),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(closed_form), TEST(at_the_start), TEST(forms_of_the_step), TEST(not_finite),
+          TEST(limits_of_the_residual))

@@ -1,16 +1,7 @@
 /* test_ensemble.c: simulations that go side by side in lanes give the bits of each by itself, whatever their numbers,
  * how many there are, in which pieces they are advanced, and whoever fails, finishes or falls behind.
  */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
+#include "unit.h"
 #include "run/ensemble.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
@@ -111,7 +102,6 @@ static const int64_t one_piece[] = {3000, 0}, odd_pieces[] = {1, 2, 63, 64, 65, 
 
 /* One overlaps too deeply, at once or later: it keeps its last state, and the others do not notice. */
 static void one_fails(void **unused) {
-  (void)unused;
   static const variety v = {
       .deck = "three_disk/random.cfg",
       .common = {"dt=2e-5", "phases[0].steps=1234", "measure.configurations=true"},
@@ -129,7 +119,6 @@ static void one_fails(void **unused) {
 
 /* Members that do not fit together, or fall behind, go on by themselves. */
 static void not_alike(void **unused) {
-  (void)unused;
   static const variety lengths = {.deck = "three_disk/sync.cfg",
                                   .key = {"phases[0].steps"},
                                   .value = {{"500", "500", "700", "500"}}};
@@ -146,8 +135,4 @@ static void not_alike(void **unused) {
   same(&ends, 5, odd_pieces);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-                                     cmocka_unit_test(one_fails), cmocka_unit_test(not_alike)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(one_fails), TEST(not_alike))

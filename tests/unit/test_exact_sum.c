@@ -1,14 +1,5 @@
 /* test_exact_sum.c: sums without rounding: hard cases, integers of 128 bits, any order, any division, all exponents. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-#include <float.h>
-#include <math.h>
-
+#include "unit.h"
 #include "base/exact_sum.h"
 #include "base/subnormal.h"
 
@@ -53,7 +44,6 @@ static void shuffle(double *x, size_t n) {
 }
 
 static void hard_cases(void **unused) {
-  (void)unused;
   const double least = 0x1p-1074, most = DBL_MAX, eps = DBL_EPSILON;
   const struct {
     double x[5], sum;
@@ -86,7 +76,6 @@ static void hard_cases(void **unused) {
 }
 
 static void one_number_is_itself(void **unused) {
-  (void)unused;
   for (int k = 0; k < 100000; k++) {
     const double x = any_number();
     if (x != 0.0) same(sum_of(&x, 1), x);
@@ -94,7 +83,6 @@ static void one_number_is_itself(void **unused) {
 }
 
 static void as_integers_of_128_bits(void **unused) {
-  (void)unused;
   enum { MOST = 3000 };
   static double x[MOST];
   for (int round = 0; round < 300; round++) {
@@ -113,7 +101,6 @@ static void as_integers_of_128_bits(void **unused) {
 }
 
 static void any_order_and_division(void **unused) {
-  (void)unused;
   enum { N = 5000, PARTS = 7 };
   static double x[N];
   for (int round = 0; round < 40; round++) {
@@ -140,7 +127,6 @@ static void any_order_and_division(void **unused) {
 }
 
 static void carries_do_not_overflow(void **unused) {
-  (void)unused;
   exact_sum s = {0};
   const int n = 1000000;
   for (int k = 0; k < n; k++) exact_sum_add(&s, 0x1.fffffffffffffp31);
@@ -150,7 +136,6 @@ static void carries_do_not_overflow(void **unused) {
 }
 
 static void in_any_mode(void **unused) {
-  (void)unused;
   const uint64_t mode = subnormal_off();
   exact_sum s = {0};
   for (int k = 0; k < 3; k++) exact_sum_add(&s, 0x1p-1074);
@@ -159,14 +144,5 @@ static void in_any_mode(void **unused) {
   same(found, 0x3p-1074);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(hard_cases),
-      cmocka_unit_test(one_number_is_itself),
-      cmocka_unit_test(as_integers_of_128_bits),
-      cmocka_unit_test(any_order_and_division),
-      cmocka_unit_test(carries_do_not_overflow),
-      cmocka_unit_test(in_any_mode),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(hard_cases), TEST(one_number_is_itself), TEST(as_integers_of_128_bits),
+          TEST(any_order_and_division), TEST(carries_do_not_overflow), TEST(in_any_mode))

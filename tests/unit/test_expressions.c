@@ -1,16 +1,6 @@
 /* test_expressions.c: arithmetic and named constants in decks: values to the bit, the echo, -D, sweeps, mistakes, and
  * texts that were made to break the reader. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-#include <math.h>
-
+#include "unit.h"
 #include "io/deck/deck.h"
 #include "brief.h"
 #include "model/model.h"
@@ -60,7 +50,6 @@ static void expect_angle(const char *text, double x) {
 }
 
 static void test_values(void **state) {
-  (void)state;
   volatile double R = 0.02, g = 9.81;
   expect("12", 12);
   expect(" 1e-5 ", 1e-5);
@@ -93,7 +82,6 @@ static void test_values(void **state) {
 
 /* Angles are as they were before there was arithmetic. */
 static void test_angles(void **state) {
-  (void)state;
   expect_angle("0.04 pi", 0.04 * M_PI);
   expect_angle("7.2 deg", 7.2 * (M_PI / 180));
   expect_angle("7.2deg", 7.2 * (M_PI / 180));
@@ -108,7 +96,6 @@ static void test_angles(void **state) {
 }
 
 static void test_integers(void **state) {
-  (void)state;
   sd_model *m = with("", "steps=\"2 * 50 + 1\"");
   assert_non_null(m);
   assert_int_equal(m->phases[0].steps, 101);
@@ -136,7 +123,6 @@ static void bad(const char *more, const char *setting, const char *words) {
 }
 
 static void test_mistakes(void **state) {
-  (void)state;
   const char *R = "constants = { R = 0.02; };";
   bad(R, "skin=\"2 * r\"", "no constant is called \"r\"; did you mean \"R\"?");
   bad("", "skin=\"2 * R\"", "expected a number; no constant is called \"R\"");
@@ -170,7 +156,6 @@ static void test_mistakes(void **state) {
 }
 
 static void test_constants(void **state) {
-  (void)state;
   bad("constants = { a = \"a\"; };", "skin=1", "constants.a = \"a\": a depends on itself");
   bad("constants = { a = \"2*b\"; b = \"c\"; c = \"a - 1\"; };", "skin=1", "a depends on itself");
   bad("constants = { a = \"b\"; };", "skin=1",
@@ -207,7 +192,6 @@ static void same_models(const sd_model *a, const sd_model *b) {
 }
 
 static void test_echo(void **state) {
-  (void)state;
   sd_model *m = load(deck, 0, NULL);
   assert_non_null(m);
   const char *full = sd_model_deck(m)->full;
@@ -231,7 +215,6 @@ static void test_echo(void **state) {
 }
 
 static void test_command_line(void **state) {
-  (void)state;
   static const char *const ways[] = {"gravity.tilt=3deg", "gravity.tilt=3 deg",
                                      "gravity.tilt=\"3 deg\"", "gravity.tilt=9/3 deg"};
   for (size_t k = 0; k < sizeof ways / sizeof *ways; k++) {
@@ -252,7 +235,6 @@ static void test_command_line(void **state) {
 }
 
 static void test_sweep(void **state) {
-  (void)state;
   char path[] = "/tmp/slipdisk-expressions-XXXXXX";
   int fd = mkstemp(path);
   assert_true(fd >= 0);
@@ -285,7 +267,6 @@ static void test_sweep(void **state) {
 /* --- hostile texts --------------------------------------------------------------------------------------------- */
 
 static void test_hostile(void **state) {
-  (void)state;
   enum { LONG = BRIEF(300000, 30000) };
   static char text[2 * LONG + 4096];
   static const char *const pieces[] = {"(",  "-",   "2^", "2^-",    "sqrt(", "1+",  "1*",
@@ -319,23 +300,14 @@ static void test_hostile(void **state) {
 }
 
 static int end(void **state) {
-  (void)state;
   sd_messages_free(messages);
   messages = NULL;
   return 0;
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test_teardown(test_values, end),
-      cmocka_unit_test_teardown(test_angles, end),
-      cmocka_unit_test_teardown(test_integers, end),
-      cmocka_unit_test_teardown(test_mistakes, end),
-      cmocka_unit_test_teardown(test_constants, end),
-      cmocka_unit_test_teardown(test_echo, end),
-      cmocka_unit_test_teardown(test_command_line, end),
-      cmocka_unit_test_teardown(test_sweep, end),
-      cmocka_unit_test_teardown(test_hostile, end),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(cmocka_unit_test_teardown(test_values, end), cmocka_unit_test_teardown(test_angles, end),
+          cmocka_unit_test_teardown(test_integers, end),
+          cmocka_unit_test_teardown(test_mistakes, end),
+          cmocka_unit_test_teardown(test_constants, end), cmocka_unit_test_teardown(test_echo, end),
+          cmocka_unit_test_teardown(test_command_line, end),
+          cmocka_unit_test_teardown(test_sweep, end), cmocka_unit_test_teardown(test_hostile, end))

@@ -1,15 +1,5 @@
 /* test_files_in_parts.c: decks whose last disks are in a large HDF5 file, of which each rank reads
  * some rows. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 #include <hdf5.h>
 
 #include "io/store/h5.h"
@@ -54,7 +44,6 @@ static void put_table(size_t n) {
        "\"mass\"); omega = 2; group = \"grains\"; } );\n"
 
 static void test_files_of_ranks(void **state) {
-  (void)state;
   fill();
   put_table(ROWS);
   sd_model *all = alone(FILES);
@@ -86,7 +75,6 @@ static void test_files_of_ranks(void **state) {
 /* All ranks read all where the deck speaks of single disks of the file, or all must know some of
  * them. */
 static void test_files_that_stay(void **state) {
-  (void)state;
   static const char packing[] = "packings = ( { type = \"square\"; count = 1; x = (0, 9); "
                                 "y = (300, 310); radius = 1; mass = 1; } );";
   static const char *const more[] = {"locks = ( { disk = 20000; coordinates = \"x\"; } );",
@@ -118,7 +106,6 @@ static void test_files_that_stay(void **state) {
 /* Rows are looked at by the ranks that have them: their messages have the numbers of the deck.
  * Whether disks overlap is seen when the run begins (test_ranks_mpi.py). */
 static void test_mistakes_in_files(void **state) {
-  (void)state;
   static const struct {
     double *column, value;
     const char *says;
@@ -170,7 +157,6 @@ static void test_mistakes_in_files(void **state) {
 #define SOURCE(more) TWO "disk_files = ( { file = \"table.h5\"; " more " } );\n"
 
 static void test_results_of_ranks(void **state) {
-  (void)state;
   sd_simulation *run;
   sd_model *m = alone(TWO "packings = ( { type = \"square\"; count = 15000; x = (0, 150); y = "
                           "(100, 201); radius = 0.5; density = 1; group = \"high\"; material = "
@@ -277,7 +263,6 @@ static void check_contacts(const reading *r, const sd_model *all) {
 }
 
 static void test_contacts_of_ranks(void **state) {
-  (void)state;
   char one[sizeof table];
   snprintf(one, sizeof one, "%s/one.h5", folder_name);
   save_touching(one, "disks = ( { x = 75; y = 200; radius = 1; mass = 1; } );");

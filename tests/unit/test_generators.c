@@ -1,21 +1,12 @@
 /* test_generators.c: radii against their distributions; lattices, random placement and fronts as geometry. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_integration.h>
 #include <gsl/gsl_math.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_sort_double.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
 
+#include "unit.h"
 #include "model/rows.h"
 #include "pack/place.h"
 #include "pack/sizes.h"
@@ -97,7 +88,6 @@ static void check_distribution(const char *name, const sizes *s) {
 }
 
 static void test_sizes(void **state) {
-  (void)state;
   check_distribution("uniform", &(sizes){.kind = SD_SIZES_UNIFORM, .lower = 1, .upper = 3});
   check_distribution(
       "gaussian",
@@ -121,7 +111,6 @@ static void test_sizes(void **state) {
 
 /* Symmetric cuts keep the mean, and a steep power stays finite. */
 static void test_size_limits(void **state) {
-  (void)state;
   sizes s = {.kind = SD_SIZES_GAUSSIAN, .radius = 2, .deviation = 0.5, .lower = 0.5, .upper = 3.5};
   near_to(sizes_quantile(&s, 0.5), 2, 1e-12, "median");
   near_to(sizes_kept(&s), 0.99730020393674, 1e-12, "part within 3 deviations");
@@ -137,7 +126,6 @@ static void test_size_limits(void **state) {
 }
 
 static void test_list(void **state) {
-  (void)state;
   const double radii[] = {1, 2, 3, 4}, weights[] = {1, 0, 2, 3};
   sizes s = {
       .kind = SD_SIZES_LIST, .n = 4, .radii = radii, .weights = weights, .lower = 1, .upper = 4};
@@ -156,7 +144,6 @@ static void test_list(void **state) {
 
 /* Not sorted: the mean place of each radius is that of a shuffled deck. */
 static void test_list_is_shuffled(void **state) {
-  (void)state;
   enum { N = 10000, HALF = N / 2 };
   static double radius[N];
   const double radii[] = {1, 2}, weights[] = {1, 1};
@@ -171,7 +158,6 @@ static void test_list_is_shuffled(void **state) {
 }
 
 static void test_seeds(void **state) {
-  (void)state;
   double first[3][2];
   for (int k = 0; k < 3; k++) {
     gsl_rng *rng = sizes_random(k == 1 ? 2 : 1, k == 2);
@@ -239,7 +225,6 @@ static size_t lattice(const sd_model *m, sd_packing_kind kind, double width, dou
 }
 
 static void test_lattices(void **state) {
-  (void)state;
   enum { MOST = 400 };
   double p[MOST][2];
   sd_model open = model_of(0, 0), channel = model_of(10, 0), full = model_of(10, 10);
@@ -264,7 +249,6 @@ static void test_lattices(void **state) {
 
 /* With jitter 1 disks stay in their own circles, in every direction, and use them. */
 static void test_jitter(void **state) {
-  (void)state;
   enum { MOST = 400 };
   double still[MOST][2], p[MOST][2], longest = 0, sum = 0;
   sd_model open = model_of(0, 0), full = model_of(10, 10);
@@ -315,7 +299,6 @@ static const sizes wide = {.kind = SD_SIZES_POWERLAW, .exponent = 2, .lower = 0.
 static const sizes narrow = {.kind = SD_SIZES_UNIFORM, .lower = 0.35, .upper = 0.65};
 
 static void test_random(void **state) {
-  (void)state;
   const double lower[2] = {0, 0}, upper[2] = {30, 30};
   place_interior inside = {0};
   for (int box = 0; box < 3; box++) {
@@ -330,7 +313,6 @@ static void test_random(void **state) {
 
 /* Random sequential addition ends: the fraction of equal disks stays below 0.547, and what was placed is clear. */
 static void test_random_ends(void **state) {
-  (void)state;
   const double lower[2] = {0, 0}, upper[2] = {20, 20};
   place_interior inside = {0};
   sd_model m = model_of(20, 20);
@@ -361,7 +343,6 @@ static int touching(const sd_model *m, const double *lower, const double *upper,
 }
 
 static void test_front(void **state) {
-  (void)state;
   const double lower[2] = {0, 0}, upper[2] = {24, 28};
   place_interior inside = {0};
   for (int box = 0; box < 3; box++)
@@ -379,7 +360,6 @@ static void test_front(void **state) {
 
 /* All radii that were drawn are placed, in another order only. */
 static void test_front_keeps_radii(void **state) {
-  (void)state;
   const double lower[2] = {0, 0}, upper[2] = {24, 150};
   place_interior inside = {0};
   sd_model m = model_of(0, 0);
@@ -395,7 +375,6 @@ static void test_front_keeps_radii(void **state) {
 
 /* Equal disks on a floor of a whole number of diameters: the triangular lattice, layer by layer. */
 static void test_front_of_equal_disks(void **state) {
-  (void)state;
   const double lower[2] = {0, 0}, upper[2] = {10.5, 11};
   place_interior inside = {0};
   sd_model m = model_of(0, 0);
@@ -411,7 +390,6 @@ static void test_front_of_equal_disks(void **state) {
 /* --- around obstacles, in hoppers and drums ---------------------------------------------------------------- */
 
 static void test_obstacles(void **state) {
-  (void)state;
   const double lower[2] = {0, 0}, upper[2] = {20, 20};
   place_interior inside = {0};
   sd_model m = model_of(20, 0);
@@ -444,7 +422,6 @@ static void test_obstacles(void **state) {
 }
 
 static void test_interiors(void **state) {
-  (void)state;
   place_interior drum = {.kind = SD_CONTAINER_DRUM, .x = 1, .y = 2, .radius = 5};
   const double low[2] = {-4, -3}, high[2] = {6, 7}, half_low[2] = {1, -3}, half_high[2] = {6, 2};
   near_to(place_area(&drum, low, high), M_PI * 25, 1e-6, "area of a drum");
@@ -464,7 +441,6 @@ static void test_interiors(void **state) {
 
 /* The drum's wall keeps disks in; in the corners of its square there are none. */
 static void test_drum(void **state) {
-  (void)state;
   place_interior drum = {.kind = SD_CONTAINER_DRUM, .x = 3, .y = 0, .radius = 9};
   sd_wall wall = {.kind = SD_WALL_CIRCLE, .pivot = {3, 0}, .radius = 9, .inside = true};
   const double lower[2] = {-6, -9}, upper[2] = {12, 9};
@@ -483,7 +459,6 @@ static void test_drum(void **state) {
 }
 
 static void test_waiting(void **state) {
-  (void)state;
   double p[100][2];
   place_waiting(-3, 3, 10, 1.05, 0, 100, p);
   for (size_t i = 0; i < 100; i++) {
@@ -496,7 +471,6 @@ static void test_waiting(void **state) {
 
 /* Tiles know nothing of each other, but of what was there; together they are clear, and each is the same whoever makes it. */
 static void test_tiles(void **state) {
-  (void)state;
   static const sd_packing_kind kinds[] = {SD_PACKING_SQUARE, SD_PACKING_TRIANGULAR,
                                           SD_PACKING_RANDOM, SD_PACKING_FRONT};
   enum { MOST = 400, TILES = 7 };
@@ -553,25 +527,8 @@ static void test_tiles(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_sizes),
-      cmocka_unit_test(test_size_limits),
-      cmocka_unit_test(test_list),
-      cmocka_unit_test(test_list_is_shuffled),
-      cmocka_unit_test(test_seeds),
-      cmocka_unit_test(test_lattices),
-      cmocka_unit_test(test_jitter),
-      cmocka_unit_test(test_random),
-      cmocka_unit_test(test_random_ends),
-      cmocka_unit_test(test_front),
-      cmocka_unit_test(test_front_keeps_radii),
-      cmocka_unit_test(test_front_of_equal_disks),
-      cmocka_unit_test(test_obstacles),
-      cmocka_unit_test(test_interiors),
-      cmocka_unit_test(test_drum),
-      cmocka_unit_test(test_waiting),
-      cmocka_unit_test(test_tiles),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_sizes), TEST(test_size_limits), TEST(test_list), TEST(test_list_is_shuffled),
+          TEST(test_seeds), TEST(test_lattices), TEST(test_jitter), TEST(test_random),
+          TEST(test_random_ends), TEST(test_front), TEST(test_front_keeps_radii),
+          TEST(test_front_of_equal_disks), TEST(test_obstacles), TEST(test_interiors),
+          TEST(test_drum), TEST(test_waiting), TEST(test_tiles))

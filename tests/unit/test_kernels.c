@@ -1,12 +1,5 @@
 /* test_kernels.c: the kernels of every instruction set: Philox against Random123, accuracy and quality of the normal
  * numbers, accuracy of sine and cosine, and the same bits from all of them. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 #include <Random123/philox.h>
 #include <gsl/gsl_cdf.h>
 
@@ -40,7 +33,6 @@ static void reference_draw(uint64_t seed, uint32_t stream, uint32_t purpose, uin
 }
 
 static void philox_is_random123s(void **unused) {
-  (void)unused;
   enum { N = 200 };
   const uint64_t seeds[] = {0, 1, 0xdeadbeefcafef00d, UINT64_MAX};
   const uint32_t streams[] = {0, 5, 0x12345678, UINT32_MAX};
@@ -88,7 +80,6 @@ static double pair_error(uint32_t w, uint32_t place, double *radius) {
 }
 
 static void normals_are_box_and_mullers(void **unused) {
-  (void)unused;
   double worst = 0.0, largest = 0.0, least = HUGE_VAL, r;
   uint64_t seed = 5;
   for (int k = 0; k < 400000; k++) {
@@ -129,7 +120,6 @@ static void exact_sine_cosine(double t, long double *s, long double *c) {
 }
 
 static void sine_and_cosine_are_accurate(void **unused) {
-  (void)unused;
   enum { N = 200000 };
   double *t = malloc(N * sizeof *t), *s = malloc(N * sizeof *s), *c = malloc(N * sizeof *c);
   uint64_t seed = 7;
@@ -189,7 +179,6 @@ static void check_moments(const double *x, const char *what) {
 }
 
 static void normals_are_normal(void **unused) {
-  (void)unused;
   kernels_choose()->motion->normals(2024, 17, RANDOM_STEP, 0, DRAWS, first, second);
   check_moments(first, "z of a moment of the first numbers");
   check_moments(second, "z of a moment of the second numbers");
@@ -221,7 +210,6 @@ static void normals_are_normal(void **unused) {
 
 /* Far out: 2^24 draws. */
 static void tails_are_normal(void **unused) {
-  (void)unused;
   const double limit[] = {4, 4.5, 5, 5.5, 6.8};
   double count[5] = {0}, n = 0.0;
   for (int part = 0; part < 16; part++) {
@@ -245,7 +233,6 @@ static void tails_are_normal(void **unused) {
 
 /* The four numbers of a block, and those of the next one: products, and products of squares. */
 static void numbers_of_a_block_are_independent(void **unused) {
-  (void)unused;
   kernels_choose()->motion->normals(7, 3, RANDOM_STEP, 0, DRAWS, first, second);
   double plain[8][8] = {{0}}, squares[8][8] = {{0}}, n = DRAWS / 4.0, chi2 = 0.0, worst = 0.0;
   for (int k = 0; k + 4 <= DRAWS; k += 4) { /* two blocks */
@@ -279,7 +266,6 @@ static double correlation(const double *x, const double *y, int n) {
 
 /* Streams, purposes, seeds and neighbouring draws that differ in one number have nothing in common. */
 static void streams_are_independent(void **unused) {
-  (void)unused;
   enum { N = 1 << 16, SETS = 24 };
   static double x[SETS][N + 8], y[SETS][N + 8];
   for (uint32_t k = 0; k < SETS; k++) {
@@ -314,7 +300,6 @@ static void streams_are_independent(void **unused) {
 /* --- all paths, the same bits ------------------------------------------------------------------------ */
 
 static void oscillators_do_not_depend_on_the_path(void **unused) {
-  (void)unused;
   static oscillators start, g;
   static double u[OSCILLATORS][OSCILLATOR_ROWS], v[OSCILLATORS][OSCILLATOR_ROWS];
   enum { BLOCKS = 35, NEW = 2 * BLOCKS };
@@ -356,15 +341,7 @@ static void oscillators_do_not_depend_on_the_path(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(philox_is_random123s),
-      cmocka_unit_test(normals_are_box_and_mullers),
-      cmocka_unit_test(sine_and_cosine_are_accurate),
-      cmocka_unit_test(normals_are_normal),
-      cmocka_unit_test(tails_are_normal),
-      cmocka_unit_test(numbers_of_a_block_are_independent),
-      cmocka_unit_test(streams_are_independent),
-      cmocka_unit_test(oscillators_do_not_depend_on_the_path)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(philox_is_random123s), TEST(normals_are_box_and_mullers),
+          TEST(sine_and_cosine_are_accurate), TEST(normals_are_normal), TEST(tails_are_normal),
+          TEST(numbers_of_a_block_are_independent), TEST(streams_are_independent),
+          TEST(oscillators_do_not_depend_on_the_path))

@@ -2,15 +2,7 @@
  *
  * One run takes the step that suits it, the other the general one; both cross the ends of motion batches, phases, openings, new reference directions and angles that return into range.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-
-#include <cmocka.h>
-#include <stdio.h>
-#include <string.h>
-
+#include "unit.h"
 #include "model/model.h"
 #include "run/simulation_private.h"
 #include "model/state.h"
@@ -55,7 +47,6 @@ static void compare(const char *deck, const char *integrator, const char *const 
 static const char *const integrators[] = {"integrator=gear5", "integrator=verlet"};
 
 static void three_disks(void **state) {
-  (void)state;
   const char *decks[] = {"three_disk/random.cfg", "three_disk/sync.cfg",   "three_disk/async.cfg",
                          "three_disk/steady.cfg", "three_disk/frozen.cfg", "three_disk/weak.cfg"};
   for (size_t d = 0; d < sizeof decks / sizeof *decks; d++)
@@ -64,7 +55,6 @@ static void three_disks(void **state) {
 
 /* Large steps and strong drive: bounces, short phases, large angles. */
 static void rough(void **state) {
-  (void)state;
   const char *more[] = {"dt=1e-5", "measure.configurations=true", "phases[0].steps=1234",
                         "motions[*].amplitude=2e-2"};
   for (size_t k = 0; k < 2; k++) compare("three_disk/random.cfg", integrators[k], more, 4, 4000);
@@ -76,7 +66,6 @@ static void rough(void **state) {
 /* Where too large an overlap ends the run: the same step, message, losses and coordinates; the derivatives are
  * those of the next step's predictor. */
 static void an_overlap_ends_both_alike(void **state) {
-  (void)state;
   const char *decks[] = {"collisions/two_disks.cfg", "three_disk/random.cfg",
                          "collisions/disk_wall.cfg"};
   const char *gone[] = {"x2", "y2", "theta2", "x3", "y3", "theta3",
@@ -117,7 +106,6 @@ static void an_overlap_ends_both_alike(void **state) {
 
 /* A pose that is lost in the last step of all has no rebuild after it that would notice. */
 static void not_finite(void **state) {
-  (void)state;
   const char *deck = "dt = 1.0; steps = 1; materials = ({ name = \"m\"; k_n = 1.0; k_t = 1.0; "
                      "gamma_n = 0; mu = 0; });"
                      "disks = ({ name = \"lost\"; x = 0; y = 0; radius = 1; mass = 1; });";
@@ -139,9 +127,4 @@ static void not_finite(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(three_disks), cmocka_unit_test(rough),
-                                     cmocka_unit_test(an_overlap_ends_both_alike),
-                                     cmocka_unit_test(not_finite)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(three_disks), TEST(rough), TEST(an_overlap_ends_both_alike), TEST(not_finite))

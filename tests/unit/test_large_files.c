@@ -3,18 +3,9 @@
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "io/store/file.h"
 #include "io/store/h5.h"
@@ -64,7 +55,6 @@ static void write_all(h5_file *file, const shape *s, const double *x, bool all) 
 }
 
 static void test_rows(void **unused) {
-  (void)unused;
   static const char *const names[] = {"/whole", "/pieces", "/single"};
   for (int k = 0; k < SHAPES; k++)
     for (int smooth = 0; smooth < 2; smooth++)
@@ -107,7 +97,6 @@ static void test_rows(void **unused) {
 
 /* Frames of few disks that hardly move: each is like the one before, which deflate finds. */
 static void test_slow_frames(void **unused) {
-  (void)unused;
   sd_messages *messages = sd_messages_new();
   size_t dims[3] = {2000, 100, 2}, n = 400000;
   double *x = noise(n);
@@ -160,7 +149,6 @@ static void open_large(void) {
 }
 
 static void test_memory(void **unused) {
-  (void)unused;
   /* sanitizers take memory of their own */
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   skip();
@@ -230,7 +218,6 @@ static void spoil(const char *text) {
 }
 
 static void test_result_seals(void **unused) {
-  (void)unused;
   static const char *const where[] = {"needle in a dataset", "needle in an attribute", "slipseal",
                                       NULL};
   static const char *const after[] = {"neddle in a dataset", "neddle in an attribute", "slhpseal",
@@ -261,14 +248,10 @@ static void test_result_seals(void **unused) {
 }
 
 /* Rows that were not put are found missing before anything else is done with the file. */
-static void test_missing_rows(void **unused) {
-  (void)unused;
-  write_result(100000, false, SD_ERROR_IO);
-}
+static void test_missing_rows(void **unused) { write_result(100000, false, SD_ERROR_IO); }
 
 /* After a change on purpose. */
 static void test_reseal(void **unused) {
-  (void)unused;
   bool sealed;
   uint64_t sum;
   write_result(100000, true, SD_OK);

@@ -1,17 +1,8 @@
 /* test_library.c: the public headers alone: models that are built, columns, observers, force fields, disks that come and go,
  * saving, loading, clones. Nothing of src/ is included. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-#include <math.h>
 #include <unistd.h>
 
+#include "unit.h"
 #include "slipdisk/slipdisk.h"
 
 static const sd_contact_law law = {.k_n = 1e4, .k_t = 8e3, .gamma_n = 2.0, .mu = 0.5};
@@ -94,7 +85,6 @@ static void end(sd_simulation *sim, sd_model *model) {
 /* --- building --------------------------------------------------------------------------------------- */
 
 static void a_built_model_is_that_of_the_deck(void **state) {
-  (void)state;
   static const char deck[] =
       "integrator = \"verlet\"; dt = 1e-3; seed = 7; time = 2.0; gravity = { g = 10.0; };"
       "materials = ( { name = \"m\"; k_n = 1e4; k_t = 8e3; gamma_n = 2.0; mu = 0.5; } );"
@@ -156,7 +146,6 @@ static void a_built_model_is_that_of_the_deck(void **state) {
 }
 
 static void all_mistakes_are_told_at_once(void **state) {
-  (void)state;
   static const char *const expected[] = {
       "dtt: no key that a model has (did you mean dt?)",
       "integrator = \"euler\": expected one of \"gear5\", \"verlet\"",
@@ -196,7 +185,6 @@ static void all_mistakes_are_told_at_once(void **state) {
 /* --- reading ---------------------------------------------------------------------------------------- */
 
 static void columns_stand_in_place(void **state) {
-  (void)state;
   sd_model *m = heap(8, "gear5");
   sd_simulation *sim = begin(m, 1);
   sd_column x, y, force, none;
@@ -234,7 +222,6 @@ static sd_status note(sd_simulation *sim, void *user) {
 }
 
 static void observers_come_at_their_steps_and_change_nothing(void **state) {
-  (void)state;
   sd_model *m = heap(8, "verlet");
   sd_simulation *plain = begin(m, 1), *seen = begin(m, 1);
   notes often = {.stop = 2100}, seldom = {.stop = -1};
@@ -297,7 +284,6 @@ static void fall_errors(const char *integrator, double dt, double error[4]) {
 /* Both integrators are of second order here: Verlet's forces see predicted velocities, Gear's higher derivatives are 0 at
  * the start. */
 static void a_force_field_gives_the_closed_form(void **state) {
-  (void)state;
   const char *const integrators[2] = {"gear5", "verlet"};
   for (int i = 0; i < 2; i++) {
     double coarse[4], fine[4];
@@ -320,7 +306,6 @@ static void spring(const sd_force_columns *c, void *user) {
 }
 
 static void forces_do_not_depend_on_threads_or_restarts(void **state) {
-  (void)state;
   for (int integrator = 0; integrator < 2; integrator++) {
     sd_model *m = heap(2400, integrator ? "verlet" : "gear5");
     sd_simulation *one = begin(m, 1), *two = begin(m, 2), *again;
@@ -351,7 +336,6 @@ static void forces_do_not_depend_on_threads_or_restarts(void **state) {
 static void nothing(const sd_force_columns *c, void *user) { (void)c, (void)user; }
 
 static void a_field_of_no_force_changes_no_bit(void **state) {
-  (void)state;
   sd_model *m = sd_model_new();
   sd_model_set(m, "dt", 1e-4);
   sd_model_set_gravity(m, 0.0, -10.0);
@@ -380,7 +364,6 @@ static double value_of(const sd_measurement *m, const char *name) {
 }
 
 static void a_packing_is_measured(void **state) {
-  (void)state;
   for (size_t n = 8; n <= 1200; n += 1192) {
     sd_model *m = heap(n, "gear5");
     sd_simulation *sim = begin(m, 2);
@@ -416,7 +399,6 @@ static void a_packing_is_measured(void **state) {
 }
 
 static void disks_come_and_go(void **state) {
-  (void)state;
   for (int integrator = 0; integrator < 2; integrator++) {
     sd_model *m = heap(12, integrator ? "verlet" : "gear5");
     sd_simulation *sim = begin(m, 1), *clone;
@@ -462,7 +444,6 @@ static void disks_come_and_go(void **state) {
 }
 
 static void wrong_disks_are_refused_and_change_nothing(void **state) {
-  (void)state;
   sd_model *m = heap(8, "gear5");
   sd_simulation *sim = begin(m, 1), *clone;
   advance(sim, 100);
@@ -483,17 +464,9 @@ static void wrong_disks_are_refused_and_change_nothing(void **state) {
   end(sim, m);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(a_built_model_is_that_of_the_deck),
-      cmocka_unit_test(all_mistakes_are_told_at_once),
-      cmocka_unit_test(columns_stand_in_place),
-      cmocka_unit_test(observers_come_at_their_steps_and_change_nothing),
-      cmocka_unit_test(a_force_field_gives_the_closed_form),
-      cmocka_unit_test(forces_do_not_depend_on_threads_or_restarts),
-      cmocka_unit_test(a_field_of_no_force_changes_no_bit),
-      cmocka_unit_test(a_packing_is_measured),
-      cmocka_unit_test(disks_come_and_go),
-      cmocka_unit_test(wrong_disks_are_refused_and_change_nothing)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(a_built_model_is_that_of_the_deck), TEST(all_mistakes_are_told_at_once),
+          TEST(columns_stand_in_place), TEST(observers_come_at_their_steps_and_change_nothing),
+          TEST(a_force_field_gives_the_closed_form),
+          TEST(forces_do_not_depend_on_threads_or_restarts),
+          TEST(a_field_of_no_force_changes_no_bit), TEST(a_packing_is_measured),
+          TEST(disks_come_and_go), TEST(wrong_disks_are_refused_and_change_nothing))

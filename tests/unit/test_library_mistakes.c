@@ -1,15 +1,5 @@
 /* test_library_mistakes.c: mistakes of programs that use the library: each is told, none of them crashes. Public headers alone. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-#include <math.h>
-
+#include "unit.h"
 #include "slipdisk/slipdisk.h"
 
 static const sd_contact_law law = {.k_n = 1e4, .k_t = 8e3, .gamma_n = 2.0, .mu = 0.5};
@@ -100,7 +90,6 @@ static void endless_table(sd_model *m) {
 }
 
 static void what_cannot_be_is_told(void **state) {
-  (void)state;
   const struct {
     void (*make)(sd_model *);
     const char *message;
@@ -132,7 +121,6 @@ static void what_cannot_be_is_told(void **state) {
 }
 
 static void a_copy_keeps_the_mistakes(void **state) {
-  (void)state;
   sd_model *m = base();
   sd_model_set(m, "nonsense", 1.0);
   sd_model *copy = sd_model_clone(m);
@@ -145,7 +133,6 @@ static void a_copy_keeps_the_mistakes(void **state) {
 }
 
 static void a_model_that_was_changed_is_finished_again(void **state) {
-  (void)state;
   sd_model *m = base();
   sd_simulation *sim;
   sd_messages *messages = sd_messages_new();
@@ -169,7 +156,6 @@ static sd_status look(sd_simulation *sim, void *user) {
 }
 
 static void numbers_of_nothing_are_answered(void **state) {
-  (void)state;
   sd_model *m = base();
   sd_simulation *sim = begin(m);
   char text[64];
@@ -206,7 +192,6 @@ static sd_status rebuild(sd_simulation *sim, void *user) {
 
 /* What is wrong is told to the caller of the step, whatever lists observers have. */
 static void an_observer_has_a_list_of_its_own(void **state) {
-  (void)state;
   sd_model *m = base();
   sd_simulation *sim;
   sd_messages *own = sd_messages_new(), *messages = sd_messages_new();
@@ -225,7 +210,6 @@ static void an_observer_has_a_list_of_its_own(void **state) {
 
 /* The box as it is now decides, not that of the model. */
 static void disks_are_added_inside_the_compressed_box(void **state) {
-  (void)state;
   sd_model *m = sd_model_new();
   sd_model_set(m, "dt", 1e-4);
   sd_model_add_material(m, "m", &law);
@@ -250,7 +234,6 @@ static void disks_are_added_inside_the_compressed_box(void **state) {
 
 /* A lid that rests on the disks; disks far above it would make its load look wrong. */
 static void warnings_of_a_model_are_not_repeated(void **state) {
-  (void)state;
   sd_model *m = base();
   double points[2][2] = {{0, 1.2}, {1, 1.2}};
   const uint32_t lid =
@@ -280,7 +263,6 @@ static void warnings_of_a_model_are_not_repeated(void **state) {
 }
 
 static void advice_needs_no_names(void **state) {
-  (void)state;
   sd_model *m = sd_model_new();
   sd_messages *messages = sd_messages_new();
   sd_model_set(m, "dt", 1e-4);
@@ -299,7 +281,6 @@ static void advice_needs_no_names(void **state) {
 
 /* A floor that shakes begins its next step without the force of disks that are gone: its work, and the budget, stay right. */
 static void a_floor_feels_removed_disks_no_more(void **state) {
-  (void)state;
   for (int kind = 0; kind < 4; kind++) {
     const bool verlet = kind % 2, round = kind / 2;
     sd_model *m = sd_model_new();
@@ -351,17 +332,8 @@ static void a_floor_feels_removed_disks_no_more(void **state) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(what_cannot_be_is_told),
-      cmocka_unit_test(a_copy_keeps_the_mistakes),
-      cmocka_unit_test(a_model_that_was_changed_is_finished_again),
-      cmocka_unit_test(numbers_of_nothing_are_answered),
-      cmocka_unit_test(an_observer_has_a_list_of_its_own),
-      cmocka_unit_test(disks_are_added_inside_the_compressed_box),
-      cmocka_unit_test(warnings_of_a_model_are_not_repeated),
-      cmocka_unit_test(advice_needs_no_names),
-      cmocka_unit_test(a_floor_feels_removed_disks_no_more),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(what_cannot_be_is_told), TEST(a_copy_keeps_the_mistakes),
+          TEST(a_model_that_was_changed_is_finished_again), TEST(numbers_of_nothing_are_answered),
+          TEST(an_observer_has_a_list_of_its_own), TEST(disks_are_added_inside_the_compressed_box),
+          TEST(warnings_of_a_model_are_not_repeated), TEST(advice_needs_no_names),
+          TEST(a_floor_feels_removed_disks_no_more))

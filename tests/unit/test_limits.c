@@ -1,13 +1,5 @@
 /* test_limits.c: counters, angles and images near the ends of their ranges: a run that stands there goes on with the same
  * bits as one that has just begun. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/state.h"
 #include "slipdisk/measure.h"
@@ -169,7 +161,6 @@ static void go_on_there(int d, int integrator, const shift *by, int threads) {
 
 /* In the part of the run that is compared disks cross the box, and return into their range of angles with closed contacts. */
 static void the_decks_are_lively(void **unused) {
-  (void)unused;
   for (int d = 0; d < DECKS; d++) {
     sd_model *model = deck(d, 0);
     sd_simulation *sim = begin_run(model, 1);
@@ -193,7 +184,6 @@ static void the_decks_are_lively(void **unused) {
 }
 
 static void steps_beyond_all_limits(void **unused) {
-  (void)unused;
   /* each limit is crossed half way */
   const int bits[] = {31, 32, 53, 62};
   for (size_t k = 0; k < sizeof bits / sizeof *bits; k++)
@@ -206,7 +196,6 @@ static void steps_beyond_all_limits(void **unused) {
 
 /* 1.3e6 and 1.4e12 turns: the stretch of a skin is as exact as in the first. */
 static void angles_of_a_million_turns(void **unused) {
-  (void)unused;
   const double turns[] = {0x1p23, -0x1p23, 0x1p43};
   for (size_t k = 0; k < sizeof turns / sizeof *turns; k++)
     for (int c = 0; c < 2 * DECKS; c++) {
@@ -216,7 +205,6 @@ static void angles_of_a_million_turns(void **unused) {
 }
 
 static void images_near_the_end_of_32_bits(void **unused) {
-  (void)unused;
   const int32_t images[] = {INT32_MAX - 8, INT32_MIN + 8};
   for (size_t k = 0; k < 2; k++)
     for (int integrator = 0; integrator < 2; integrator++) {
@@ -253,7 +241,6 @@ static sd_simulation *far_away(const sd_model *model, int64_t n) {
 /* To 2^33 steps (2.4 hours at a microsecond) the turns are exact (signal_pass.h); later their product is rounded, to 2^-53
  * of the periods that have passed. */
 static void signals_stay_in_phase(void **unused) {
-  (void)unused;
   sd_model *model =
       model_of("dt = 1e-6; steps = 9000000000000000000;\n" LAW
                "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
@@ -282,7 +269,6 @@ static void signals_stay_in_phase(void **unused) {
 
 /* 3e6 turns of a support, and 3e9: the angle is exact. */
 static void a_support_turns_on(void **unused) {
-  (void)unused;
   sd_model *model = model_of("dt = 1e-6; steps = 9000000000000000000;\n" LAW
                              "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n"
                              "motions = ( { disk = 0; coordinate = \"theta\"; type = \"velocity\"; "
@@ -318,7 +304,6 @@ static void a_support_turns_on(void **unused) {
 
 /* Bins of 2^40 steps are full soon, then neighbours become one, and the mean is what it was. */
 static void bins_of_1e12_steps(void **unused) {
-  (void)unused;
   sd_model *model = deck(0, 0);
   sd_simulation *sim = begin_run(model, 1);
   advance(sim, BEFORE);
@@ -347,12 +332,6 @@ static void bins_of_1e12_steps(void **unused) {
   sd_model_free(model);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(the_decks_are_lively),      cmocka_unit_test(steps_beyond_all_limits),
-      cmocka_unit_test(angles_of_a_million_turns), cmocka_unit_test(images_near_the_end_of_32_bits),
-      cmocka_unit_test(signals_stay_in_phase),     cmocka_unit_test(a_support_turns_on),
-      cmocka_unit_test(bins_of_1e12_steps),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(the_decks_are_lively), TEST(steps_beyond_all_limits),
+          TEST(angles_of_a_million_turns), TEST(images_near_the_end_of_32_bits),
+          TEST(signals_stay_in_phase), TEST(a_support_turns_on), TEST(bins_of_1e12_steps))

@@ -1,21 +1,11 @@
 /* test_math.c: elementary functions are rounded correctly, have the bits of every processor, and treat zeros, infinities and NAN as
  * C demands; what is computed with them agrees with GSL. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-#include <float.h>
 #include <gsl/gsl_cdf.h>
 #include <gsl/gsl_sort.h>
 #include <gsl/gsl_spline.h>
 #include <gsl/gsl_statistics_double.h>
-#include <math.h>
-#include <stdbool.h>
-#include <string.h>
 
+#include "unit.h"
 #include "base/math.h"
 #include "base/quadrature.h"
 #include "measure/statistics.h"
@@ -87,7 +77,6 @@ static void mix(uint64_t *hash, double x) {
 
 /* The hash is that of x86-64; tools/arm.sh runs this test for aarch64. */
 static void rounded_correctly_with_the_same_bits(void **unused) {
-  (void)unused;
   uint64_t hash = 0xcbf29ce484222325u;
   stream = 1;
   for (size_t k = 0; k < FUNCTIONS; k++)
@@ -117,7 +106,6 @@ static void same_kind(const char *name, double x, double y, double found, double
 }
 
 static void zeros_infinities_and_nan_as_in_c(void **unused) {
-  (void)unused;
   static const double values[] = {0.0,    -0.0,   1.0,      -1.0,      0.5,    -0.5,       2.0,
                                   -2.0,   3.0,    -3.0,     2.5,       1e-310, -1e-310,    5e-324,
                                   1e308,  -1e308, INFINITY, -INFINITY, NAN,    700.0,      710.0,
@@ -139,7 +127,6 @@ static void zeros_infinities_and_nan_as_in_c(void **unused) {
 }
 
 static void smaller_and_larger(void **unused) {
-  (void)unused;
   assert_true(math_min(1, 2) == 1 && math_min(2, 1) == 1 && math_max(1, 2) == 2 &&
               math_max(2, 1) == 2);
   assert_true(math_min(NAN, 1) == 1 && math_min(1, NAN) == 1 && math_max(NAN, 1) == 1 &&
@@ -154,7 +141,6 @@ static void near(double found, double expected, double relative) {
 }
 
 static void normal_distribution_as_in_gsl(void **unused) {
-  (void)unused;
   stream = 2;
   for (int n = 0; n < TRIALS; n++) {
     const double x = (draw() - 0.5) * (n % 2 ? 70 : 12), p = n % 2 ? draw() : exp(-600 * draw());
@@ -166,7 +152,6 @@ static void normal_distribution_as_in_gsl(void **unused) {
 }
 
 static void splines_as_in_gsl(void **unused) {
-  (void)unused;
   enum { MOST = 30 };
   stream = 3;
   for (size_t n = 3; n < MOST; n++)
@@ -201,13 +186,11 @@ static double half_circle(double x, void *user) {
 }
 
 static void integrals(void **unused) {
-  (void)unused;
   near(quadrature(half_circle, NULL, -1, 1), M_PI / 2, 1e-11);
   near(quadrature(half_circle, NULL, -3, 2), M_PI / 2, 1e-11);
 }
 
 static void statistics_as_in_gsl(void **unused) {
-  (void)unused;
   enum { N = 101 };
   double x[N], y[N], work[2 * N];
   size_t order[N];
@@ -234,15 +217,6 @@ static void statistics_as_in_gsl(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rounded_correctly_with_the_same_bits),
-      cmocka_unit_test(zeros_infinities_and_nan_as_in_c),
-      cmocka_unit_test(smaller_and_larger),
-      cmocka_unit_test(normal_distribution_as_in_gsl),
-      cmocka_unit_test(splines_as_in_gsl),
-      cmocka_unit_test(integrals),
-      cmocka_unit_test(statistics_as_in_gsl),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(rounded_correctly_with_the_same_bits), TEST(zeros_infinities_and_nan_as_in_c),
+          TEST(smaller_and_larger), TEST(normal_distribution_as_in_gsl), TEST(splines_as_in_gsl),
+          TEST(integrals), TEST(statistics_as_in_gsl))

@@ -1,15 +1,8 @@
 /* test_mean.c: error bars against records whose true error is known, and what is made of a state. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
 #include <gsl/gsl_randist.h>
 #include <gsl/gsl_rng.h>
-#include <math.h>
 
+#include "unit.h"
 #include "model/model.h"
 #include "brief.h"
 #include "model/state.h"
@@ -50,7 +43,6 @@ typedef struct coverage {
 } coverage;
 
 static void error_bars_cover(void **unused) {
-  (void)unused;
   enum { SEEDS = 400 };
   const coverage cases[] = {
       {N, 0, false, 0.95, 1.05, 0.9},     {N, 0, true, 0.95, 1.05, 0.9},
@@ -97,7 +89,6 @@ static void bounded_noise(gsl_rng *random, size_t n, double tau, double walk) {
 }
 
 static void error_bars_of_bounded_noise_cover(void **unused) {
-  (void)unused;
   enum { SEEDS = 200 };
   const struct {
     size_t n;
@@ -126,7 +117,6 @@ static void error_bars_of_bounded_noise_cover(void **unused) {
 }
 
 static void slow_records_are_said_not_to_converge(void **unused) {
-  (void)unused;
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
   int converged = 0;
   for (int seed = 0; seed < 100; seed++) {
@@ -138,7 +128,6 @@ static void slow_records_are_said_not_to_converge(void **unused) {
 }
 
 static void constant_records_have_no_error(void **unused) {
-  (void)unused;
   const double values[] = {0, 0.1, -1e300, 1e-300};
   for (size_t v = 0; v < 4; v++) {
     for (size_t k = 0; k < N; k++) x[k] = values[v];
@@ -152,7 +141,6 @@ static void constant_records_have_no_error(void **unused) {
 }
 
 static void short_records_have_none_either(void **unused) {
-  (void)unused;
   for (size_t k = 0; k < 15; k++) x[k] = (double)(k % 3);
   assert_true(isnan(sd_mean_of(x, 0, true).mean));
   assert_true(isnan(sd_mean_of(NULL, 0, true).error));
@@ -172,7 +160,6 @@ static void periodic(double period, double phase) {
 }
 
 static void periodic_records_have_small_errors(void **unused) {
-  (void)unused;
   const double commensurate[] = {1, 2, 4, 16}, others[] = {2.7, 7.3, 50.1, 101.7, 333.3};
   for (size_t k = 0; k < 4; k++) {
     periodic(commensurate[k], 0.3);
@@ -191,7 +178,6 @@ static void periodic_records_have_small_errors(void **unused) {
 }
 
 static void transients_are_found(void **unused) {
-  (void)unused;
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
   double within = 0;
   int converged = 0;
@@ -232,7 +218,6 @@ static void transients_are_found(void **unused) {
 
 /* What looks like a transient in a stationary record is chance. */
 static void stationary_records_keep_their_start(void **unused) {
-  (void)unused;
   enum { SEEDS = BRIEF(400, 100) };
   const double rho[] = {0, 0.6, 0.9, 0.967};
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
@@ -253,7 +238,6 @@ static void stationary_records_keep_their_start(void **unused) {
 
 /* Slow or weak relaxations under noise: found, or in the error bar. */
 static void slow_transients_are_covered(void **unused) {
-  (void)unused;
   enum { SEEDS = 200 };
   const struct {
     double height, time, least, most_converged;
@@ -281,7 +265,6 @@ static void slow_transients_are_covered(void **unused) {
 /* --- from a state ---------------------------------------------------------------------------------------- */
 
 static void rotation_of_a_state(void **unused) {
-  (void)unused;
   sd_disk disks[2] = {{.radius = 2}, {.radius = 0.5}};
   uint32_t watched[2] = {1, 0};
   sd_model model = {.dt = 1e-3,
@@ -361,7 +344,6 @@ static sd_rotation driven(size_t bins, double height, double time, double period
 }
 
 static void ripples_of_a_drive_fall_out(void **unused) {
-  (void)unused;
   const double periods[] = {0.37, 1, 2.7, 12.207, 97.656};
   for (size_t p = 0; p < 5; p++) {
     sd_motion wave[2] = {{.kind = SD_MOTION_PARABOLIC, .omega = 2 * M_PI / periods[p]}};
@@ -388,7 +370,6 @@ static void ripples_of_a_drive_fall_out(void **unused) {
 }
 
 static void sliding_of_a_state(void **unused) {
-  (void)unused;
   sd_slide_watch watch[2] = {{0, {1, 2}}, {3, {7, 5}}};
   sd_model model = {.n_slides = 2, .slides = watch};
   int64_t count[32] = {0}, openings[4] = {0, 0, 3, 4};
@@ -421,20 +402,9 @@ static void sliding_of_a_state(void **unused) {
   assert_true(isnan(s.pp) && isnan(s.stick) && isnan(s.open) && isnan(s.contact_open[1]));
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(error_bars_cover),
-      cmocka_unit_test(error_bars_of_bounded_noise_cover),
-      cmocka_unit_test(slow_records_are_said_not_to_converge),
-      cmocka_unit_test(constant_records_have_no_error),
-      cmocka_unit_test(short_records_have_none_either),
-      cmocka_unit_test(periodic_records_have_small_errors),
-      cmocka_unit_test(transients_are_found),
-      cmocka_unit_test(stationary_records_keep_their_start),
-      cmocka_unit_test(slow_transients_are_covered),
-      cmocka_unit_test(rotation_of_a_state),
-      cmocka_unit_test(ripples_of_a_drive_fall_out),
-      cmocka_unit_test(sliding_of_a_state),
-  };
-  return cmocka_run_group_tests_name("mean", tests, NULL, NULL);
-}
+RUN_TESTS(TEST(error_bars_cover), TEST(error_bars_of_bounded_noise_cover),
+          TEST(slow_records_are_said_not_to_converge), TEST(constant_records_have_no_error),
+          TEST(short_records_have_none_either), TEST(periodic_records_have_small_errors),
+          TEST(transients_are_found), TEST(stationary_records_keep_their_start),
+          TEST(slow_transients_are_covered), TEST(rotation_of_a_state),
+          TEST(ripples_of_a_drive_fall_out), TEST(sliding_of_a_state))

@@ -1,20 +1,14 @@
 /* Memory for small things: without it the handler is called once and the process ends. Rows: all
  * arrays or none. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 /* cmocka.h needs those above */
-#include <cmocka.h>
 #include <pthread.h>
-#include <stdio.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "unit.h"
+#include "unit.h"
 #include "base/memory.h"
 #include "slipdisk/status.h"
 
@@ -77,7 +71,6 @@ static void lack_and_come_back(void) {
 }
 
 static void handler_is_called_once(void **state) {
-  (void)state;
   void (*const acts[])(void) = {lack_in_threads, lack_grown, lack_lines};
   for (size_t k = 0; k < sizeof acts / sizeof *acts; k++) {
     *calls = 0;
@@ -89,7 +82,6 @@ static void handler_is_called_once(void **state) {
 }
 
 static void without_handler_the_process_aborts(void **state) {
-  (void)state;
   void (*const acts[])(void) = {lack_by_default, lack_and_come_back, lack_product};
   for (size_t k = 0; k < sizeof acts / sizeof *acts; k++) {
     const int ended = end_of(acts[k]);
@@ -99,7 +91,6 @@ static void without_handler_the_process_aborts(void **state) {
 }
 
 static void small_things_are_there(void **state) {
-  (void)state;
   double *zero = memory_new(0, 8), *three = memory_new(3, sizeof *three);
   assert_non_null(zero);
   for (int k = 0; k < 3; k++) assert_true(three[k] == 0.0);
@@ -116,7 +107,6 @@ static void small_things_are_there(void **state) {
 }
 
 static void rows_are_all_or_none(void **state) {
-  (void)state;
   double *x = NULL;
   int32_t *id = NULL;
   char *huge = NULL;
@@ -142,7 +132,6 @@ static void rows_are_all_or_none(void **state) {
 
 /* Each alone would be given: Linux finds out when they are written. */
 static void rows_beyond_the_machine_are_refused(void **state) {
-  (void)state;
   const double limit = memory_limit(1);
   const size_t half = (size_t)(0.6 * limit);
   char *one = NULL, *two = NULL;

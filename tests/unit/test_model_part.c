@@ -1,14 +1,6 @@
 /* test_model_part.c: what ranks that share a run keep of a model: all what all must know, each some
  * of the other disks. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
+#include "unit.h"
 #include "base/comm.h"
 #include "io/deck/deck.h"
 #include "model/model.h"
@@ -57,7 +49,6 @@ static void end_parts(parts *p) {
 }
 
 static void all_know_special_disks(void **unused) {
-  (void)unused;
   static const sd_disk none;
   sd_model *m = whole();
   parts p = make_parts(0);
@@ -84,7 +75,6 @@ static void all_know_special_disks(void **unused) {
 }
 
 static void each_free_disk_has_one_rank(void **unused) {
-  (void)unused;
   sd_model *m = whole();
   for (size_t few = 0; few <= 1000; few += 1000) {
     parts p = make_parts(few);
@@ -107,7 +97,6 @@ static void each_free_disk_has_one_rank(void **unused) {
 }
 
 static void numbers_of_all_disks_are_known(void **unused) {
-  (void)unused;
   sd_model *m = whole();
   parts p = make_parts(0);
   double inverse = 0;
@@ -126,7 +115,6 @@ static void numbers_of_all_disks_are_known(void **unused) {
 }
 
 static void a_damaged_image_is_refused(void **unused) {
-  (void)unused;
   sd_model *m = whole(), *copy;
   size_t size;
   unsigned char *bytes = model_serialize(m, &size);
@@ -137,10 +125,5 @@ static void a_damaged_image_is_refused(void **unused) {
   sd_model_free(m);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(all_know_special_disks),
-                                     cmocka_unit_test(each_free_disk_has_one_rank),
-                                     cmocka_unit_test(numbers_of_all_disks_are_known),
-                                     cmocka_unit_test(a_damaged_image_is_refused)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(all_know_special_disks), TEST(each_free_disk_has_one_rank),
+          TEST(numbers_of_all_disks_are_known), TEST(a_damaged_image_is_refused))

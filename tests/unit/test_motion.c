@@ -1,13 +1,5 @@
 /* test_motion.c: prescribed motions against their formulas in extended precision, phases, sums, ramps, locks,
  * and the elasto-plastic oscillator. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "deck_runs.h"
 #include "model/model.h"
@@ -105,7 +97,6 @@ static value ramped_sum(long double t) {
 #define ON(c) "{ " BODIES " coordinate = \"" c "\"; "
 
 static void signals_follow_their_formulas(void **unused) {
-  (void)unused;
   enum { N = 10000 };
   double speed = (double)(A * W);
   compare("velocity x", ON("x") VELOCITY "}", SD_X, 0, N, 10, 3.7, 1e-15, velocity);
@@ -133,7 +124,6 @@ static void signals_follow_their_formulas(void **unused) {
 /* Of every smooth signal: u' against the difference of u of sixth order, over the ends of ramps, batches and
  * table knots, where third derivatives jump, and those of random draws, where accelerations do. */
 static void velocity_is_the_derivative(void **unused) {
-  (void)unused;
   const char *const decks[] = {
       ON("x") HARMONIC "}",
       ON("x") HARMONIC "ramp = 0.3; }",
@@ -224,14 +214,12 @@ static value natural_spline(long double t) {
   "-1);"
 
 static void tables_are_natural_splines(void **unused) {
-  (void)unused;
   compare("table x", ON("x") TABLE "}", SD_X, 0, 8000, 1, 10, 1e-15, natural_spline);
   compare("table theta", ON("theta") TABLE "}", SD_THETA, 1, 8000, 1, 10, 1e-15, natural_spline);
 }
 
 /* A table that repeats: the same in every period, also where step * dt falls on the end of one, for any length. */
 static void periodic_tables_repeat(void **unused) {
-  (void)unused;
   for (int steps = 10; steps < 60; steps++) {
     text t = {0};
     double dt = 1e-4, span = steps * dt; /* whole steps, though not to the last bit */
@@ -262,7 +250,6 @@ static void periodic_tables_repeat(void **unused) {
 /* --- many turns -------------------------------------------------------------------------------------- */
 
 static void angles_stay_exact_beyond_1e4_rad(void **unused) {
-  (void)unused;
   const double rates[] = {987.654321, -1234.5678};
   for (int r = 0; r < 2; r++) {
     text t = {0};
@@ -298,7 +285,6 @@ static void angles_stay_exact_beyond_1e4_rad(void **unused) {
 
 /* On, off, on again: it stays where it was, and begins anew from there. Another motion goes on all the time. */
 static void phases_switch_motions(void **unused) {
-  (void)unused;
   const char *coordinates[] = {"x", "theta"};
   for (int c = 0; c < 2; c++) {
     text t = {0};
@@ -346,7 +332,6 @@ static void phases_switch_motions(void **unused) {
 
 /* A motion that is on in all phases: the same bits as in one long phase. */
 static void motions_go_on_over_phases(void **unused) {
-  (void)unused;
   const char *moves = ON("x") HARMONIC "ramp = 0.2; }," ON("theta") VELOCITY "}," ON("y") TABLE
       "}," ON("y") "type = \"random\"; amplitude = 0.1; omega = 3; interval = 7; independent = "
                    "true; }," ON("x") "type = \"random\"; amplitude = 0.1; omega = 3; }";
@@ -388,7 +373,6 @@ static sd_model *three_free(const char *integrator, const char *first, const cha
 
 /* Theta is driven: the centre falls freely, then is dragged along the floor with mu g until it rolls. */
 static void a_driven_wheel_pulls_itself_along(void **unused) {
-  (void)unused;
   const char *names[] = {"gear5", "verlet"};
   for (int k = 0; k < 2; k++) {
     const char *spin =
@@ -424,7 +408,6 @@ static void a_driven_wheel_pulls_itself_along(void **unused) {
 }
 
 static void locks_and_forces_hold(void **unused) {
-  (void)unused;
   const char *names[] = {"gear5", "verlet"};
   for (int k = 0; k < 2; k++) {
     sd_model *model = three_free(
@@ -458,7 +441,6 @@ static void locks_and_forces_hold(void **unused) {
 
 /* A disk rides on a floor that passes the edge of the box again and again: nothing happens to it. */
 static void a_floor_may_leave_its_periodic_box(void **unused) {
-  (void)unused;
   const double speeds[] = {1.0, -1.0, 1.0};
   for (int c = 0; c < 3; c++) {
     text t = {0};
@@ -528,7 +510,6 @@ static void is_mirrored(const double *x, const double *mirrored) {
 }
 
 static void equal_limits_do_not_drift(void **unused) {
-  (void)unused;
   static double x[PERIODS + 1], mirrored[PERIODS + 1];
   const char *mirror[] = {LONGER, "motions.shake.amplitude=-0.01"};
   oscillate(EPO "symmetric.cfg", 3, mirror, PERIODS, x);
@@ -543,7 +524,6 @@ static void equal_limits_do_not_drift(void **unused) {
 /* In the limit A w^2 >> mu g, sliding forward (mu g + a) for a share p of the time and backward (mu g - a) for
  * the rest balances: p = (mu g - a)/(2 mu g), drift = A w cos(pi p). */
 static void unequal_limits_drift(void **unused) {
-  (void)unused;
   static double x[PERIODS + 1], mirrored[PERIODS + 1];
   const char *mirror[] = {LONGER, "motions.shake.amplitude=-0.01", "disks.block.force=(-0.02, 0)"};
   oscillate(EPO "asymmetric.cfg", 3, mirror, PERIODS, x);
@@ -555,20 +535,9 @@ static void unequal_limits_drift(void **unused) {
   is_mirrored(x, mirrored);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(signals_follow_their_formulas),
-      cmocka_unit_test(velocity_is_the_derivative),
-      cmocka_unit_test(tables_are_natural_splines),
-      cmocka_unit_test(periodic_tables_repeat),
-      cmocka_unit_test(angles_stay_exact_beyond_1e4_rad),
-      cmocka_unit_test(phases_switch_motions),
-      cmocka_unit_test(motions_go_on_over_phases),
-      cmocka_unit_test(a_driven_wheel_pulls_itself_along),
-      cmocka_unit_test(locks_and_forces_hold),
-      cmocka_unit_test(a_floor_may_leave_its_periodic_box),
-      cmocka_unit_test(equal_limits_do_not_drift),
-      cmocka_unit_test(unequal_limits_drift),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(signals_follow_their_formulas), TEST(velocity_is_the_derivative),
+          TEST(tables_are_natural_splines), TEST(periodic_tables_repeat),
+          TEST(angles_stay_exact_beyond_1e4_rad), TEST(phases_switch_motions),
+          TEST(motions_go_on_over_phases), TEST(a_driven_wheel_pulls_itself_along),
+          TEST(locks_and_forces_hold), TEST(a_floor_may_leave_its_periodic_box),
+          TEST(equal_limits_do_not_drift), TEST(unequal_limits_drift))

@@ -1,12 +1,4 @@
 /* test_neighbours.c: candidate pairs against brute force, and the contacts' memory over rebuilds. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/model.h"
 #include "physics/contact/pairs.h"
@@ -143,7 +135,6 @@ static size_t check_lists(sd_simulation *sim) {
 }
 
 static void lists_equal_brute_force(void **unused) {
-  (void)unused;
   const double shapes[][2] = {{0.9, 0.9}, {3, 0.3}, {0.3, 3}, {0.25, 0.25}, {9, 7}, {0.33, 0.5}};
   const int sizes[] = {1, 2, 40, 150};
   size_t total = 0;
@@ -163,7 +154,6 @@ static void lists_equal_brute_force(void **unused) {
 /* Radii over two decades, and one disk 100 times as large as the others, free or prescribed: levels of few cells, disks
  * that are larger than rows of the others' cells, walls of many segments. */
 static void lists_of_all_sizes_equal_brute_force(void **unused) {
-  (void)unused;
   const double shapes[][2] = {{4, 4}, {9, 7}, {7.9, 30}, {30, 8}, {0.5, 0.6}};
   size_t total = 0;
   for (int c = 0; c < 5 * 4 * 2 * 3; c++) {
@@ -203,7 +193,6 @@ static size_t remember(const engine *e, double (*memory)[REMEMBERED], uint32_t (
 }
 
 static void rebuilds_carry_the_memory(void **unused) {
-  (void)unused;
   enum { MOST = 20000 };
   static double before[MOST][REMEMBERED], after[MOST][REMEMBERED];
   static uint32_t key_before[MOST][3], key_after[MOST][3];
@@ -232,7 +221,6 @@ static void rebuilds_carry_the_memory(void **unused) {
 
 /* Between builds: nothing that is not listed ever comes nearer than touching. */
 static void no_contact_is_missed_between_builds(void **unused) {
-  (void)unused;
   for (int c = 0; c < 4; c++) {
     sd_model *model = scattered(60, 0.7, 0.8, 2, c, false, 40 + (uint64_t)c);
     for (uint32_t i = 0; i < 60; i++) {
@@ -296,7 +284,6 @@ static uint64_t jump(double skin, bool gear, int64_t *builds, double *dropped) {
 }
 
 static void what_a_jump_drops_does_not_depend_on_the_skin(void **unused) {
-  (void)unused;
   for (int gear = 0; gear < 2; gear++) {
     int64_t often, once;
     double dropped, same;
@@ -307,13 +294,6 @@ static void what_a_jump_drops_does_not_depend_on_the_skin(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(lists_equal_brute_force),
-      cmocka_unit_test(lists_of_all_sizes_equal_brute_force),
-      cmocka_unit_test(rebuilds_carry_the_memory),
-      cmocka_unit_test(no_contact_is_missed_between_builds),
-      cmocka_unit_test(what_a_jump_drops_does_not_depend_on_the_skin),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(lists_equal_brute_force), TEST(lists_of_all_sizes_equal_brute_force),
+          TEST(rebuilds_carry_the_memory), TEST(no_contact_is_missed_between_builds),
+          TEST(what_a_jump_drops_does_not_depend_on_the_skin))

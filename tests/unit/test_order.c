@@ -1,12 +1,4 @@
 /* test_order.c: free disks in slots by place, at the start and where phases begin. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "deck_runs.h"
 #include "physics/neighbours/neighbours.h"
@@ -46,7 +38,6 @@ static sd_model *heap(int stride, bool periodic, const char *integrator) {
 }
 
 static void neighbours_stand_side_by_side(void **unused) {
-  (void)unused;
   for (int periodic = 0; periodic < 2; periodic++) {
     sd_model *model = heap(677, periodic, "verlet");
     sd_simulation *sim = begin_run(model, 1);
@@ -71,7 +62,6 @@ static void neighbours_stand_side_by_side(void **unused) {
 
 /* Numbers are names: who has which changes nothing, down to the last bit, since slots go by place. */
 static void numbers_are_names(void **unused) {
-  (void)unused;
   for (int k = 0; k < 2; k++) {
     sd_model *plain = heap(1, k, k ? "gear5" : "verlet"),
              *mixed = heap(677, k, k ? "gear5" : "verlet");
@@ -127,7 +117,6 @@ static sd_model *mixture(const char *integrator) {
 
 /* Slots go by size, each size by place: those of the largest disks are the last. */
 static void large_disks_stand_last(void **unused) {
-  (void)unused;
   sd_model *model = mixture("verlet");
   sd_simulation *sim = begin_run(model, 1);
   const sd_state *s = sd_simulation_state(sim);
@@ -142,9 +131,5 @@ static void large_disks_stand_last(void **unused) {
   sd_model_free(model);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(neighbours_stand_side_by_side),
-                                     cmocka_unit_test(numbers_are_names),
-                                     cmocka_unit_test(large_disks_stand_last)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(neighbours_stand_side_by_side), TEST(numbers_are_names),
+          TEST(large_disks_stand_last))

@@ -1,15 +1,5 @@
 /* test_packings_deck.c: containers and packings of decks: what arrives in the model, and that the echo makes the same
  * disks again. Then those that are refused, and with which words. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "model/model.h"
 #include "model/state.h"
 #include "packings_decks.h"
@@ -52,7 +42,6 @@ static void check_region(const sd_model *m, double x0, double x1, double y0, dou
 /* --- containers ------------------------------------------------------------------------------------------- */
 
 static void test_box(void **state) {
-  (void)state;
   sd_model *m =
       good(HEAD ONE
            "container = { type = \"box\"; width = 10; height = 8; origin = (5, 1); open = false; };"
@@ -75,7 +64,6 @@ static void test_box(void **state) {
 
 /* Motions find the walls of a container and the disks of a bed. */
 static void test_bed_and_channel(void **state) {
-  (void)state;
   sd_model *m = good(HEAD ONE "container = { type = \"channel\"; width = 10; height = 8; };"
                               "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = "
                               "\"velocity\"; velocity = 1; } );");
@@ -105,7 +93,6 @@ static void test_bed_and_channel(void **state) {
 }
 
 static void test_hopper(void **state) {
-  (void)state;
   sd_model *m =
       good(HEAD ONE "container = { type = \"hopper\"; width = 10; height = 12; outlet = 2; "
                     "angle = \"pi/4\"; origin = (1, 3); };");
@@ -122,7 +109,6 @@ static void test_hopper(void **state) {
 }
 
 static void test_drum_and_periodic(void **state) {
-  (void)state;
   sd_model *m = good(HEAD ONE "container = { type = \"drum\"; radius = 4; origin = (1, 2); };");
   check_region(m, -3, 5, -2, 6, false, false);
   const sd_wall *drum = wall_of(m, "drum");
@@ -138,7 +124,6 @@ static void test_drum_and_periodic(void **state) {
 
 /* Of two materials the container must name one. */
 static void test_container_material(void **state) {
-  (void)state;
 #define TWO                                                                                        \
   "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; }, { name = \"w\"; k_n = 10; } " \
   ");"                                                                                             \
@@ -204,7 +189,6 @@ static double area_of(const sd_model *m) {
 
 /* Each type in each container: nothing overlaps, nothing is outside, mass and group are right. */
 static void test_all_types(void **state) {
-  (void)state;
   static const char *const containers[] = {BOX, CHANNEL, BED, HOPPER, DRUM, PERIODIC};
   static const char *const types[] = {"type = \"triangular\"; spacing = 0.6; jitter = 1;",
                                       "type = \"square\"; spacing = 0.6; jitter = 0.5;",
@@ -241,7 +225,6 @@ static void test_all_types(void **state) {
 
 /* The fraction is that of the part of the region that lies inside the container. */
 static void test_fraction(void **state) {
-  (void)state;
   static const struct {
     const char *text;
     double area;
@@ -270,7 +253,6 @@ static void test_fraction(void **state) {
 
 /* A later packing finds the disks of the earlier ones; regions may overlap. */
 static void test_several(void **state) {
-  (void)state;
   sd_model *m = good(
       HEAD BOX
       "disks = ( { x = 0; y = 3; radius = 1; mass = 1; } );"
@@ -290,7 +272,6 @@ static void test_several(void **state) {
 }
 
 static void test_rain(void **state) {
-  (void)state;
   sd_model *m =
       good(HEAD HOPPER "packings = ( { type = \"rain\"; count = 400; rows = 3; speed = 2; " MONO
                        " } );");
@@ -348,7 +329,6 @@ static const char *const mixed = HEAD
     "weights = (3, 2, 1); density = 1; } );\n";
 
 static void test_echo(void **state) {
-  (void)state;
   sd_model *m = good(mixed), *again = good(sd_model_deck(m)->full);
   assert_true(same_disks(m, again));
   assert_int_equal(again->n_rains, 1);
@@ -367,7 +347,6 @@ static void test_echo(void **state) {
 }
 
 static void test_seed(void **state) {
-  (void)state;
   sd_model *m = good(mixed), *same = load(mixed, "seed=1", NULL),
            *other = load(mixed, "seed=2", NULL);
   assert_non_null(same);
@@ -388,7 +367,6 @@ static void test_seed(void **state) {
 
 /* Setting one of two keys that exclude each other takes the other away. */
 static void test_overrides(void **state) {
-  (void)state;
   const char *text =
       HEAD BOX "packings = ( { type = \"random\"; count = 10; " MONO " } );"
                "motions = ( { wall = \"floor\"; coordinate = \"y\"; type = \"harmonic\"; "
@@ -410,7 +388,6 @@ static void test_overrides(void **state) {
 #define CONTAINER(keys) HEAD ONE "container = { " keys " };\n"
 
 static void test_container_mistakes(void **state) {
-  (void)state;
   refused(HEAD ONE BOX "box = { x = (0, 1); };",
           "box.x = (0, 1): given together with container \"box\", which has its own edges");
   refused(
@@ -459,7 +436,6 @@ static void test_container_mistakes(void **state) {
 #define RANDOM(keys) HEAD BOX PACKING("type = \"random\"; count = 9; density = 1; " keys)
 
 static void test_what_cannot_fit(void **state) {
-  (void)state;
   refused(
       HEAD BOX PACKING("type = \"random\"; count = 1000; " MONO),
       "packings[0]: 1000 disks of area 196.35 in all in a region of area 80: a packing fraction "
@@ -494,7 +470,6 @@ static void test_what_cannot_fit(void **state) {
 
 /* The numbers in these messages follow from the generators. */
 static void test_generators_that_end(void **state) {
-  (void)state;
   size_t placed, all;
   double fraction, asked;
   assert_null(load(HEAD BOX PACKING("type = \"random\"; fraction = 0.6; " MONO), NULL, NULL));
@@ -518,7 +493,6 @@ static void test_generators_that_end(void **state) {
 }
 
 static void test_region_mistakes(void **state) {
-  (void)state;
   refused(HEAD PACKING("type = \"random\"; count = 3; x = (0, 1); " MONO),
           "packings[0].y: missing: expected (lower, upper), since no container and no box gives "
           "edges in y");
@@ -547,7 +521,6 @@ static void test_region_mistakes(void **state) {
 }
 
 static void test_size_mistakes(void **state) {
-  (void)state;
   refused(RANDOM(""), "packings[0].radius: missing: sizes \"mono\" needs it (radius; gaussian: "
                       "mean; lognormal: median)");
   refused(RANDOM("sizes = \"mono\"; radius = 1; lower = 1;"),
@@ -583,7 +556,6 @@ static void test_size_mistakes(void **state) {
 }
 
 static void test_packing_mistakes(void **state) {
-  (void)state;
   refused(HEAD BOX PACKING("type = \"random\"; " MONO),
           "packings[0].count/fraction: missing: type \"random\" needs it (number of disks)");
   refused(HEAD BOX PACKING("type = \"random\"; count = 3; fraction = 0.2; " MONO),
@@ -605,7 +577,6 @@ static void test_packing_mistakes(void **state) {
 }
 
 static void test_tile_mistakes(void **state) {
-  (void)state;
   refused(HEAD BOX PACKING("type = \"front\"; tiles = 2; " MONO),
           "packings[0].count: missing: expected the number of disks, which tiles share");
   refused(HEAD BOX PACKING("type = \"random\"; fraction = 0.2; tiles = 2; " MONO),
@@ -625,7 +596,6 @@ static void test_tile_mistakes(void **state) {
 }
 
 static void test_rain_mistakes(void **state) {
-  (void)state;
 #define RAIN(keys) PACKING("type = \"rain\"; count = 9; " keys MONO)
   refused(HEAD BOX PACKING("type = \"rain\"; " MONO),
           "packings[0].count: missing: type \"rain\" needs it (number of disks)");
@@ -641,26 +611,10 @@ static void test_rain_mistakes(void **state) {
       "speed = 1; ")));
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_box),
-                                     cmocka_unit_test(test_bed_and_channel),
-                                     cmocka_unit_test(test_hopper),
-                                     cmocka_unit_test(test_drum_and_periodic),
-                                     cmocka_unit_test(test_container_material),
-                                     cmocka_unit_test(test_all_types),
-                                     cmocka_unit_test(test_fraction),
-                                     cmocka_unit_test(test_several),
-                                     cmocka_unit_test(test_rain),
-                                     cmocka_unit_test(test_echo),
-                                     cmocka_unit_test(test_seed),
-                                     cmocka_unit_test(test_overrides),
-                                     cmocka_unit_test(test_container_mistakes),
-                                     cmocka_unit_test(test_what_cannot_fit),
-                                     cmocka_unit_test(test_generators_that_end),
-                                     cmocka_unit_test(test_region_mistakes),
-                                     cmocka_unit_test(test_size_mistakes),
-                                     cmocka_unit_test(test_packing_mistakes),
-                                     cmocka_unit_test(test_rain_mistakes),
-                                     cmocka_unit_test(test_tile_mistakes)};
-  return cmocka_run_group_tests(tests, NULL, tear_down);
-}
+RUN_TESTS_BETWEEN(NULL, tear_down, TEST(test_box), TEST(test_bed_and_channel), TEST(test_hopper),
+                  TEST(test_drum_and_periodic), TEST(test_container_material), TEST(test_all_types),
+                  TEST(test_fraction), TEST(test_several), TEST(test_rain), TEST(test_echo),
+                  TEST(test_seed), TEST(test_overrides), TEST(test_container_mistakes),
+                  TEST(test_what_cannot_fit), TEST(test_generators_that_end),
+                  TEST(test_region_mistakes), TEST(test_size_mistakes), TEST(test_packing_mistakes),
+                  TEST(test_rain_mistakes), TEST(test_tile_mistakes))

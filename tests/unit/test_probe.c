@@ -4,16 +4,8 @@
 #define _GNU_SOURCE
 #endif
 #include <pthread.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
-
-#include <cmocka.h>
 
 #include "io/store/h5_private.h"
 #include "slipdisk/deck.h"
@@ -69,7 +61,6 @@ static void *read_stream(void *stream) {
 }
 
 static void test_other_threads_may_hold_streams(void **unused) {
-  (void)unused;
   int ends[2];
   pthread_t thread;
   assert_int_equal(pipe(ends), 0);
@@ -84,7 +75,6 @@ static void test_other_threads_may_hold_streams(void **unused) {
 }
 
 static void test_a_host_may_ignore_its_children(void **unused) {
-  (void)unused;
   make_foreign(true);
   assert_non_null(strstr(open_by(SLIPDISK_PROGRAM), "file.h5 is damaged: "));
   void (*before)(int) = signal(SIGCHLD, SIG_IGN);
@@ -95,7 +85,6 @@ static void test_a_host_may_ignore_its_children(void **unused) {
 }
 
 static void test_waiting_has_an_end(void **unused) {
-  (void)unused;
   char program[160];
   snprintf(program, sizeof program, "%s/sleep", folder_name);
   FILE *out = fopen(program, "w");
@@ -110,14 +99,12 @@ static void test_waiting_has_an_end(void **unused) {
 }
 
 static void test_other_programs_are_named(void **unused) {
-  (void)unused;
   make_foreign(false);
   assert_non_null(strstr(open_by("/bin/false"), "/bin/false, which reads such files first"));
   assert_non_null(strstr(open_by("/no/program"), "does not start: No such file"));
 }
 
 static void test_without_a_program_no_process_is_started(void **unused) {
-  (void)unused;
   sd_messages *messages = sd_messages_new();
   h5_file *file = NULL;
   make_foreign(false);
@@ -126,13 +113,7 @@ static void test_without_a_program_no_process_is_started(void **unused) {
   sd_messages_free(messages);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_other_threads_may_hold_streams),
-      cmocka_unit_test(test_a_host_may_ignore_its_children),
-      cmocka_unit_test(test_waiting_has_an_end),
-      cmocka_unit_test(test_other_programs_are_named),
-      cmocka_unit_test(test_without_a_program_no_process_is_started),
-  };
-  return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+RUN_TESTS_BETWEEN(make_folder, remove_folder, TEST(test_other_threads_may_hold_streams),
+                  TEST(test_a_host_may_ignore_its_children), TEST(test_waiting_has_an_end),
+                  TEST(test_other_programs_are_named),
+                  TEST(test_without_a_program_no_process_is_started))

@@ -1,13 +1,5 @@
 /* test_rain.c: disks that fall in batches: where and when they set out, that all of them come to rest with the energy
  * budget closed, and the same bits with any number of threads and restarts. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/model.h"
 #include "pack/rain.h"
@@ -102,7 +94,6 @@ static void check_columns(const sd_model *m, sd_simulation *sim) {
 }
 
 static void falls_until_it_is_at_rest(void **unused) {
-  (void)unused;
   sd_model *m = rain_model("", until_rest);
   sd_simulation *sim = begin_run(m, 1);
   int64_t released = 0;
@@ -156,7 +147,6 @@ static void falls_until_it_is_at_rest(void **unused) {
 
 /* What waits has no weight and no place. */
 static void waiting_disks_are_not_there(void **unused) {
-  (void)unused;
   sd_model *m = rain_model("", "steps = 1000;");
   m->rains[0].batch = 1;
   sd_simulation *sim = begin_run(m, 1);
@@ -174,7 +164,6 @@ static void waiting_disks_are_not_there(void **unused) {
 }
 
 static void another_seed_is_another_packing(void **unused) {
-  (void)unused;
   sd_model *m = rain_model("", "steps = 12000;");
   double x[2];
   for (int k = 0; k < 2; k++, m->seed++) {
@@ -187,7 +176,6 @@ static void another_seed_is_another_packing(void **unused) {
 }
 
 static void a_lid_is_in_the_way(void **unused) {
-  (void)unused;
   static const double heights[] = {0.1, 0.35};
   for (size_t k = 0; k < 2; k++) {
     char lid[120];
@@ -211,7 +199,6 @@ static void a_lid_is_in_the_way(void **unused) {
 
 /* A strip that is periodic in x: disks on one side do not overlap with those on the other. */
 static void periodic_strip(void **unused) {
-  (void)unused;
   sd_model *m = rain_model("", "steps = 20000;");
   m->periodic[SD_X] = true;
   m->lower[SD_X] = 0;
@@ -243,7 +230,6 @@ static void refused(sd_model *m, const char *why) {
 }
 
 static void mistakes(void **unused) {
-  (void)unused;
   sd_model *m = rain_model("", "steps = 10;");
   m->rains[0].upper = 0.03;
   refused(m, "does not fit into rain");
@@ -258,14 +244,6 @@ static void mistakes(void **unused) {
   refused(m, "batch");
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(falls_until_it_is_at_rest),
-      cmocka_unit_test(waiting_disks_are_not_there),
-      cmocka_unit_test(another_seed_is_another_packing),
-      cmocka_unit_test(a_lid_is_in_the_way),
-      cmocka_unit_test(periodic_strip),
-      cmocka_unit_test(mistakes),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(falls_until_it_is_at_rest), TEST(waiting_disks_are_not_there),
+          TEST(another_seed_is_another_packing), TEST(a_lid_is_in_the_way), TEST(periodic_strip),
+          TEST(mistakes))

@@ -1,13 +1,5 @@
 /* test_random.c: random vibration (eq. 52): the exact step against series in extended precision, the
  * covariance of (x, x') in runs against theory, draws at longer intervals, and whose numbers are whose. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/model.h"
 #include "physics/motion/signals.h"
@@ -84,7 +76,6 @@ static void step_errors(double omega, double c, double h, double *noise, double 
 }
 
 static void one_step_is_exact(void **unused) {
-  (void)unused;
   const double dampings[] = {0.01, 0.1, 0.5, 0.9, 0.999999, 1.0, 1.000001, 1.1, 2.0, 5.0};
   const double steps[] = {1e-6, 1e-5, 6.28e-5, 1e-3, 1e-2, 0.1, 0.3, 1.0, 2.0, 5.0}; /* omega h */
   double worst_noise = 0.0, worst_propagator = 0.0;
@@ -106,7 +97,6 @@ static void one_step_is_exact(void **unused) {
 
 /* Q = S - P S P' with the stationary S: the law of (52) is kept, at any length of the step. */
 static void a_step_keeps_the_stationary_law(void **unused) {
-  (void)unused;
   for (int c = 0; c < 6; c++) {
     double omega = 2.0, damping = 0.2 * (c + 1) * (c + 1), rms = 0.7;
     for (double h = 1e-3; h < 100; h *= 3) {
@@ -217,7 +207,6 @@ static double z_over_streams(const double *sum, double n, double expected) {
 }
 
 static void covariance_is_that_of_the_theory(void **unused) {
-  (void)unused;
   const double dampings[] = {0.2, 0.5, 1.0, 3.0};
   const int lags[LAGS] = {0, 1, 4, 12, 40, 120};
   const double omega = 20 * M_PI, dt = 1e-3, rms = 2e-3;
@@ -259,7 +248,6 @@ static void covariance_is_that_of_the_theory(void **unused) {
 
 /* Over many bodies, from the first step on. */
 static void vibration_is_stationary_from_the_first_step(void **unused) {
-  (void)unused;
   enum { N = 2000 };
   const double rms = 2e-3, omega = 20 * M_PI;
   const int intervals[] = {1, 16};
@@ -296,7 +284,6 @@ static void vibration_is_stationary_from_the_first_step(void **unused) {
 
 /* interval m at dt, and interval 1 at m dt: the same at the multiples; with m dt exact, to the bit. */
 static void intervals_are_exact_at_their_multiples(void **unused) {
-  (void)unused;
   const int m[] = {2, 8, 64, 128};
   for (int c = 0; c < 4; c++) {
     sd_model *fine = shaken(3, 10, 0.5, 0x1p-12, m[c], false),
@@ -318,7 +305,6 @@ static void intervals_are_exact_at_their_multiples(void **unused) {
 
 /* Between the draws: the velocity is the derivative, to third order in dt, and neither jumps at a draw. */
 static void between_draws_the_velocity_is_the_derivative(void **unused) {
-  (void)unused;
   enum { M = 100, N = 5000 };
   const double dt = 1e-5, rms = 2e-3, omega = 20 * M_PI, h = M * dt;
   sd_model *model = shaken(1, omega, 0.5, dt, M, false);
@@ -364,7 +350,6 @@ static double middle_variance(double omega, double damping, double h) {
 }
 
 static void longer_intervals_converge(void **unused) {
-  (void)unused;
   const double omega = 20 * M_PI, rms = 2e-3;
   double before = 0.0;
   for (int k = 0; k < 6; k++) { /* the deviation of the variance is third order in w h */
@@ -396,7 +381,6 @@ static void longer_intervals_converge(void **unused) {
 /* --- whose numbers ------------------------------------------------------------------------------------ */
 
 static void numbers_belong_to_body_and_coordinate(void **unused) {
-  (void)unused;
   sd_model *plain = shaken(5, 20, 0.5, 1e-3, 3, false), *other = shaken(5, 20, 0.5, 1e-3, 3, true);
   sd_simulation *a = begin_run(plain, 1), *b = begin_run(other, 3);
   for (int k = 0; k < 400; k++) {
@@ -417,16 +401,8 @@ static void numbers_belong_to_body_and_coordinate(void **unused) {
   sd_model_free(other);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(one_step_is_exact),
-      cmocka_unit_test(a_step_keeps_the_stationary_law),
-      cmocka_unit_test(covariance_is_that_of_the_theory),
-      cmocka_unit_test(vibration_is_stationary_from_the_first_step),
-      cmocka_unit_test(intervals_are_exact_at_their_multiples),
-      cmocka_unit_test(between_draws_the_velocity_is_the_derivative),
-      cmocka_unit_test(longer_intervals_converge),
-      cmocka_unit_test(numbers_belong_to_body_and_coordinate),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(one_step_is_exact), TEST(a_step_keeps_the_stationary_law),
+          TEST(covariance_is_that_of_the_theory), TEST(vibration_is_stationary_from_the_first_step),
+          TEST(intervals_are_exact_at_their_multiples),
+          TEST(between_draws_the_velocity_is_the_derivative), TEST(longer_intervals_converge),
+          TEST(numbers_belong_to_body_and_coordinate))

@@ -1,14 +1,6 @@
 /* test_ranks.c: runs over ranks that are threads of this process end with the bits of one
  * process: states, energies, messages, and the step of a failure. Ranks of an MPI job:
  * tests/program/test_ranks_*.py. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "ranks_run.h"
 
 #define HEAD                                                                                       \
@@ -43,7 +35,6 @@ static void same_runs(const run *a, const run *b, const char *what) {
 /* So many disks that one process takes several steps at once, and that the rows of a rank's chunks
  * would be given in turn (physics/step/window.h). */
 static void test_large_packings(void **unused) {
-  (void)unused;
   static const char deck[] =
       HEAD "packings = ( { type = \"front\"; count = 44000; density = 1.27; sizes = \"uniform\"; "
            "lower = 0.4; upper = 0.5; } );\n"
@@ -61,7 +52,6 @@ static void test_large_packings(void **unused) {
 /* Found by one rank, or by rank 0 alone: all stop, with the message and at the step of one
  * process. */
 static void test_failures(void **unused) {
-  (void)unused;
   static const deck_case decks[] = {
       {"too deep in a compression",
        HEAD PACKING "box = { x = (0, 12); y = (0, 12); periodic = \"xy\"; }; max_overlap = 0.03;\n"

@@ -1,12 +1,4 @@
 /* test_relax.c: the relaxer finds equilibrium, takes out what it says, and leaves alone what it may not touch. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/model.h"
 #include "pack/relax.h"
@@ -74,7 +66,6 @@ static double imbalance(sd_simulation *sim) {
 
 /* Without any viscosity, a heap with friction comes to rest in force balance. */
 static void test_equilibrium(void **unused) {
-  (void)unused;
   for (int k = 0; k < 2; k++) {
     sd_model *m = heap_new(k ? "gear5" : "verlet", 5e-4, 0.0,
                            "phases = ( { steps = 45000; relax = true; motions = (); } );");
@@ -95,7 +86,6 @@ static void test_equilibrium(void **unused) {
 
 /* The residual is the integrator's: velocity Verlet is of second order. */
 static void test_energy(void **unused) {
-  (void)unused;
   double residual[2];
   for (int k = 0; k < 2; k++) {
     sd_model *m =
@@ -115,7 +105,6 @@ static void test_energy(void **unused) {
 
 /* Steered or stopped, it books exactly what the kinetic energy loses. */
 static void test_booked(void **unused) {
-  (void)unused;
   sd_model *m = heap_new("gear5", 5e-4, 1.0, "phases = ( { steps = 16000; } );");
   sd_simulation *sim = begin_run(m, 1);
   int stopped = 0, steered = 0, changed = 0;
@@ -152,7 +141,6 @@ static void test_booked(void **unused) {
 
 /* Disks that are not in play keep their velocity. */
 static void test_out_of_play(void **unused) {
-  (void)unused;
   sd_model *m = heap_new("verlet", 5e-4, 1.0, "phases = ( { steps = 4000; } );");
   sd_simulation *sim = begin_run(m, 1);
   sd_state *s = engine_of(sim)->state;
@@ -171,7 +159,6 @@ static void test_out_of_play(void **unused) {
 
 /* A disk on two supports, which would otherwise have a step of its own: delta = m g/(2 k sin^2) on two supports. */
 static void test_few(void **unused) {
-  (void)unused;
   sd_model *m =
       model_of("dt = 1e-3; gravity = { g = 10; };\n"
                "materials = ( { name = \"m\"; k_n = 1e3; k_t = 0; gamma_n = 0; mu = 0; } );\n"
@@ -190,10 +177,5 @@ static void test_few(void **unused) {
   end_run(sim, m);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_equilibrium),
-                                     cmocka_unit_test(test_energy), cmocka_unit_test(test_booked),
-                                     cmocka_unit_test(test_out_of_play),
-                                     cmocka_unit_test(test_few)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_equilibrium), TEST(test_energy), TEST(test_booked), TEST(test_out_of_play),
+          TEST(test_few))

@@ -1,12 +1,7 @@
 /* Rows of numbers against vectors (base/lane.h), for every width, whatever this machine's is. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
 
 #define LANE_WIDTH 1
+#include "unit.h"
 #include "base/lane.h"
 #undef LANE_WIDTH
 #define LANE_WIDTH 2
@@ -84,12 +79,4 @@ TEST_OF(2)
 TEST_OF(4)
 TEST_OF(8)
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(rows_w1),
-      cmocka_unit_test(rows_w2),
-      cmocka_unit_test(rows_w4),
-      cmocka_unit_test(rows_w8),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(rows_w1), TEST(rows_w2), TEST(rows_w4), TEST(rows_w8))

@@ -1,12 +1,5 @@
 /* test_runs.c: ascending runs read as one, against sorting; also runs that are empty, equal keys, one run, none. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
+#include "unit.h"
 #include "base/buckets.h"
 
 enum { RUNS = 37, MOST = 60 };
@@ -63,12 +56,8 @@ static void try(size_t n_runs, uint64_t step) {
 }
 
 static void as_sorted(void **unused) {
-  (void)unused;
   for (int round = 0; round < 300; round++)
     try(draw(RUNS + 1), (uint64_t[]){1, 2, 3, 1000}[round % 4]);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(as_sorted)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(as_sorted))

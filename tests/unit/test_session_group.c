@@ -2,15 +2,8 @@
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 #include "deck_runs.h"
 #include "run/session.h"
@@ -20,15 +13,9 @@ enum { MEMBERS = 3, FIRST = 2000, SECOND = 3000, AHEAD = 2500 };
 
 static char folder_name[] = "/tmp/slipdisk-group-XXXXXX";
 
-static int make_folder(void **unused) {
-  (void)unused;
-  return mkdtemp(folder_name) ? 0 : -1;
-}
+static int make_folder(void **unused) { return mkdtemp(folder_name) ? 0 : -1; }
 
-static int remove_folder(void **unused) {
-  (void)unused;
-  return rmdir(folder_name);
-}
+static int remove_folder(void **unused) { return rmdir(folder_name); }
 
 /* A disk on two that shake; the k-th tilt. The last one comes to rest in its first phase. */
 static sd_model *model_number(int k) {
@@ -102,7 +89,6 @@ static void run(world *w, sd_status expected) {
 }
 
 static void those_behind_go_first(void **unused) {
-  (void)unused;
   world w = {0};
   for (int k = 0; k < MEMBERS; k++) {
     w.models[k] = model_number(k);
@@ -131,13 +117,6 @@ static void those_behind_go_first(void **unused) {
   }
 }
 
-static void none(void **unused) {
-  (void)unused;
-  session_group_run(0, NULL, NULL, NULL);
-}
+static void none(void **unused) { session_group_run(0, NULL, NULL, NULL); }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(those_behind_go_first),
-                                     cmocka_unit_test(none)};
-  return cmocka_run_group_tests_name("session_group", tests, make_folder, remove_folder);
-}
+RUN_TESTS_BETWEEN(make_folder, remove_folder, TEST(those_behind_go_first), TEST(none))

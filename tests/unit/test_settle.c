@@ -1,13 +1,5 @@
 /* test_settle.c: phases that end when the disks are at rest: what is measured, where the end is, and that it is
  * at the same step with any number of threads and after any number of restarts. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/model.h"
 #include "pack/settle.h"
@@ -42,7 +34,6 @@ static sd_model *pile_model(int n, int64_t most, const char *settle) {
 enum { PLENTY = 1000000 };
 
 static void a_disk_in_flight_and_one_at_rest(void **unused) {
-  (void)unused;
   sd_model *m = model_of("dt = 1e-4; gravity = { g = 10; }; steps = 100000;\n"
                          "materials = ( { name = \"a\"; k_n = 1e3; gamma_n = 20; } );\n"
                          "walls = ( { type = \"line\"; points = ((-1, 0), (1, 0)); } );\n"
@@ -63,7 +54,6 @@ static void a_disk_in_flight_and_one_at_rest(void **unused) {
 }
 
 static void without_contacts_nothing_is_balanced(void **unused) {
-  (void)unused;
   sd_model *m = model_of("dt = 1e-4; gravity = { g = 10; }; steps = 10;\n"
                          "materials = ( { name = \"a\"; k_n = 1e3; } );\n"
                          "disks = ( { x = 0; y = 0; radius = 1; mass = 1; }, { x = 9; y = 0; "
@@ -84,7 +74,6 @@ static const char *const criteria[] = {"kinetic = 1e-8; every = 250;",
 
 /* The end is at the first look at which the criteria hold; one step further is the next phase. */
 static void ends_at_the_first_look(void **unused) {
-  (void)unused;
   for (size_t k = 0; k < sizeof criteria / sizeof *criteria; k++) {
     sd_model *m = pile_model(10, PLENTY, criteria[k]);
     const sd_settle *asked = &m->phases[0].settle;
@@ -117,7 +106,6 @@ static void ends_at_the_first_look(void **unused) {
 }
 
 static void one_that_does_not_settle(void **unused) {
-  (void)unused;
   sd_model *m = pile_model(16, 700, "kinetic = 1e-8; every = 500;");
   sd_simulation *sim = begin_run(m, 1);
   advance(sim, 2000);
@@ -130,10 +118,5 @@ static void one_that_does_not_settle(void **unused) {
   sd_model_free(m);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(a_disk_in_flight_and_one_at_rest),
-                                     cmocka_unit_test(without_contacts_nothing_is_balanced),
-                                     cmocka_unit_test(ends_at_the_first_look),
-                                     cmocka_unit_test(one_that_does_not_settle)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(a_disk_in_flight_and_one_at_rest), TEST(without_contacts_nothing_is_balanced),
+          TEST(ends_at_the_first_look), TEST(one_that_does_not_settle))

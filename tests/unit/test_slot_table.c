@@ -1,12 +1,5 @@
 /* test_slot_table.c: slots by body number, where all bodies are here and in tables of a rank. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
+#include "unit.h"
 #include "model/state.h"
 
 enum { WHOLE = 1 << 22 };
@@ -51,7 +44,6 @@ static void check_rows(uint32_t first, size_t rows, size_t width, size_t stride)
 }
 
 static void test_rows(void **unused) {
-  (void)unused;
   static const struct {
     size_t rows, width, stride;
   } cases[] = {{1, 1, 1},          {1, 5000, 5000},      {512, 512, 2048}, {1000, 250, 1000},
@@ -62,7 +54,4 @@ static void test_rows(void **unused) {
                cases[k].stride);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_rows)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(test_rows))

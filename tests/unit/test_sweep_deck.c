@@ -1,14 +1,5 @@
 /* test_sweep_deck.c: the group `sweep` of a deck: which points it asks for, their names and seeds; then its mistakes,
  * also those that only some points make. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "base/text.h"
@@ -72,7 +63,6 @@ static sd_model *model_of(const char *name) {
 /* --- points ------------------------------------------------------------------------------------------------ */
 
 static void test_crossed(void **state) {
-  (void)state;
   const deck_sweep *s =
       good("{ parameters = ( { path = \"gravity.tilt\"; values = (0, \"0.02 pi\", \"7.2 deg\"); },"
            " { path = \"motions[*].amplitude\"; name = \"eps\"; values = (1e-5, 0.5, 2.0); } ); }");
@@ -94,7 +84,6 @@ static void test_crossed(void **state) {
 }
 
 static void test_zipped(void **state) {
-  (void)state;
   good("{ parameters = ( { path = \"dt\"; values = (1e-3, 2e-3); zip = \"t\"; },"
        " { path = \"gravity.g\"; values = (1, 2); }, { path = \"steps\"; name = \"n\"; values = "
        "(20, 10); zip = \"t\"; } ); }");
@@ -105,7 +94,6 @@ static void test_zipped(void **state) {
 }
 
 static void test_ranges(void **state) {
-  (void)state;
   good("{ parameters = ( { path = \"gravity.g\"; linspace = (1, 2, 5); } ); }");
   names_are("g=1 g=1.25 g=1.5 g=1.75 g=2");
   good("{ parameters = ( { path = \"gravity.g\"; logspace = (1e-5, 1e-3, 5); } ); }");
@@ -138,7 +126,6 @@ static void test_ranges(void **state) {
 }
 
 static void test_paths(void **state) {
-  (void)state;
   const deck_sweep *s =
       good("{ parameters = ( { path = [\"disks.a.mass\", \"disks[1].mass\", \"motions.p.omega\"]; "
            "values = (3, \"5\"); } ); }");
@@ -152,7 +139,6 @@ static void test_paths(void **state) {
 
 /* Points that two grids have are run once, whatever they are called in the second. */
 static void test_union(void **state) {
-  (void)state;
   const deck_sweep *s = good(
       "( { parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
       "values = (0, \"1 deg\"); } ); },"
@@ -176,7 +162,6 @@ static void test_union(void **state) {
 
 /* 10, 10.0 and 1e1 are the same, and so are their seeds. */
 static void test_same_numbers(void **state) {
-  (void)state;
   static const char *const ways[] = {"values = (10)",          "values = (10.0)",
                                      "values = (1e1)",         "values = (1e+1)",
                                      "linspace = (10, 20, 1)", "logspace = (10.0, 1, 1)"};
@@ -198,7 +183,6 @@ static void test_same_numbers(void **state) {
 }
 
 static void test_texts(void **state) {
-  (void)state;
   const deck_sweep *s =
       good("{ parameters = ( { path = \"integrator\"; values = (\"gear5\", \"verlet\"); },"
            " { path = \"title\"; values = (\"a b\", \"ab\", \"a/b\", \"..\", \"say "
@@ -235,7 +219,6 @@ static void test_texts(void **state) {
 
 /* Names are no longer than those of files may be. */
 static void test_long_names(void **state) {
-  (void)state;
   char text[4000] = "{ parameters = ( { path = \"title\"; values = (\"", *end = text + strlen(text);
   memset(end, 'x', 300);
   strcpy(end + 300, "y\", \"");
@@ -250,7 +233,6 @@ static void test_long_names(void **state) {
 }
 
 static void test_without_sweep(void **state) {
-  (void)state;
   const deck_sweep *s = good_deck(HEAD TAIL);
   names_are("base");
   assert_int_equal(s->n_points, 1);
@@ -268,7 +250,6 @@ static void test_without_sweep(void **state) {
 }
 
 static void test_names(void **state) {
-  (void)state;
   const deck_sweep *s =
       good("{ parameters = ( { path = \"motions.p.amplitude\"; values = (1); }, { path = "
            "\"motions.q.amplitude\"; values = (1); }, { path = \"motions[0].omega\"; values = "
@@ -281,7 +262,6 @@ static void test_names(void **state) {
 /* --- seeds ------------------------------------------------------------------------------------------------- */
 
 static void test_seeds(void **state) {
-  (void)state;
   good("{ parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
        "values = (0, 1); } ); }");
   int64_t seed = point("g=2,tilt=1")->seed;
@@ -320,7 +300,6 @@ static void test_seeds(void **state) {
 
 /* Another seed of the deck gives other seeds to the points, however it is written. */
 static void test_base_seed(void **state) {
-  (void)state;
 #define GRID "sweep = { parameters = ( { path = \"gravity.g\"; values = (1, 2); } ); };\n"
   good_deck(HEAD GRID TAIL);
   int64_t seed = point("g=2")->seed;
@@ -339,7 +318,6 @@ static void test_base_seed(void **state) {
 }
 
 static void test_swept_seed(void **state) {
-  (void)state;
   good("{ parameters = ( { path = \"seed\"; name = \"noise\"; values = (7, 8.0, "
        "9007199254740993); }, { path = \"gravity.g\"; values = (1, 2); } ); }");
   names_are("noise=7,g=1 noise=7,g=2 noise=8,g=1 noise=8,g=2 noise=9007199254740993,g=1 "
@@ -354,7 +332,6 @@ static void test_swept_seed(void **state) {
 /* --- -D ------------------------------------------------------------------------------------------------------ */
 
 static void test_overrides(void **state) {
-  (void)state;
   const char *const more[] = {"sweep.parameters[0].values=(4, 5)", "sweep.replicas=2",
                               "gravity.tilt=0.5"};
   assert_int_equal(
@@ -411,7 +388,6 @@ static void test_overrides(void **state) {
 
 /* Only what is run more than once counts: the model says how many points there are. */
 static void test_count(void **state) {
-  (void)state;
   sd_model *m = NULL;
   sd_messages_clear(messages);
   assert_int_equal(
@@ -465,7 +441,6 @@ static void bad(const char *grids, const char *words) {
 }
 
 static void test_mistakes(void **state) {
-  (void)state;
 #define ONE(text) "{ parameters = ( { " text " } ); }"
   bad("3", "deck.cfg:2: sweep = 3: expected a group");
   bad("(1)", "deck.cfg:2: sweep[0] = 1: expected a group");
@@ -554,7 +529,6 @@ static void test_mistakes(void **state) {
 
 /* A key is a key however its path is written, and of either-or keys one counts. */
 static void test_same_keys(void **state) {
-  (void)state;
 #define TWO(a, b)                                                                                  \
   "{ parameters = ( { path = " a "; name = \"one\"; values = (1, 2); },\n{ path = " b              \
   "; name = \"two\"; values = (3); } ); }"
@@ -591,7 +565,6 @@ static void test_same_keys(void **state) {
 
 /* Mistakes of the sweep and of the rest are told together. */
 static void test_all_at_once(void **state) {
-  (void)state;
   assert_int_equal(
       load("dt = 1e-3; steps = 10;\nsede = 3;\nsweep = { replicas = -1; };\n" TAIL, 0, NULL),
       SD_ERROR_USER);
@@ -619,7 +592,6 @@ static size_t checked(const char *grids) {
 }
 
 static void test_points(void **state) {
-  (void)state;
   assert_int_equal(
       checked("{ parameters = ( { path = \"gravity.g\"; values = (1, 2); } ); replicas = 2; }"), 2);
   /* a key that there is not: once, with the place of the first value */
@@ -677,7 +649,6 @@ static void test_points(void **state) {
 
 /* Values that -D has put into the sweep are shown as such, and values of an included file with its name. */
 static void test_places(void **state) {
-  (void)state;
   sweep s;
   size_t usable;
   const char *const more[] = {"sweep.parameters[0].values=(7)"};
@@ -706,7 +677,6 @@ static void test_places(void **state) {
 
 /* Damaged sweeps are refused or read, without a crash or a leak; most telling with sanitizers. */
 static void test_damaged(void **state) {
-  (void)state;
   static const char whole[] =
       HEAD "sweep = ( { parameters = ( { path = \"gravity.tilt\"; name = \"tilt\"; values = (0, "
            "\"0.02 pi\", 1e-3); zip = \"z\"; },\n"
@@ -750,18 +720,9 @@ static void test_damaged(void **state) {
   assert_in_range(good, 50, 950);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_crossed),       cmocka_unit_test(test_zipped),
-      cmocka_unit_test(test_ranges),        cmocka_unit_test(test_paths),
-      cmocka_unit_test(test_union),         cmocka_unit_test(test_same_numbers),
-      cmocka_unit_test(test_texts),         cmocka_unit_test(test_long_names),
-      cmocka_unit_test(test_without_sweep), cmocka_unit_test(test_names),
-      cmocka_unit_test(test_seeds),         cmocka_unit_test(test_base_seed),
-      cmocka_unit_test(test_swept_seed),    cmocka_unit_test(test_overrides),
-      cmocka_unit_test(test_count),         cmocka_unit_test(test_mistakes),
-      cmocka_unit_test(test_same_keys),     cmocka_unit_test(test_all_at_once),
-      cmocka_unit_test(test_points),        cmocka_unit_test(test_places),
-      cmocka_unit_test(test_damaged)};
-  return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+RUN_TESTS_BETWEEN(set_up, tear_down, TEST(test_crossed), TEST(test_zipped), TEST(test_ranges),
+                  TEST(test_paths), TEST(test_union), TEST(test_same_numbers), TEST(test_texts),
+                  TEST(test_long_names), TEST(test_without_sweep), TEST(test_names),
+                  TEST(test_seeds), TEST(test_base_seed), TEST(test_swept_seed),
+                  TEST(test_overrides), TEST(test_count), TEST(test_mistakes), TEST(test_same_keys),
+                  TEST(test_all_at_once), TEST(test_points), TEST(test_places), TEST(test_damaged))

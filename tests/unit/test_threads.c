@@ -1,13 +1,6 @@
 /* test_threads.c: any number of threads gives the same bits. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
 #include <pthread.h>
 #include <stdatomic.h>
-
-#include <cmocka.h>
 
 #include "base/team.h"
 #include "deck_runs.h"
@@ -68,7 +61,6 @@ static void compare(const sd_model *model, int steps, const int *threads, int n,
 }
 
 static void large_packings_do_not_depend_on_the_threads(void **unused) {
-  (void)unused;
   const int threads[] = {1, 2, 3, 4};
   for (int c = 0; c < 2; c++) {
     sd_model *model = packing(3000 - c, 75, c ? "verlet" : "gear5", c);
@@ -107,7 +99,6 @@ static sd_model *gas(int n, int wide, const char *integrator) {
 }
 
 static void gases_do_not_depend_on_the_threads(void **unused) {
-  (void)unused;
   const int threads[] = {1, 2, 3, 7}, sizes[] = {1100, 2600};
   for (int c = 0; c < 4; c++) {
     sd_model *model = gas(sizes[c / 2], 40, c & 1 ? "verlet" : "gear5");
@@ -118,7 +109,6 @@ static void gases_do_not_depend_on_the_threads(void **unused) {
 
 /* Fewer threads than asked for, as under a limit: all disks are moved all the same. */
 static void fewer_threads_than_asked_for_do_all_the_work(void **unused) {
-  (void)unused;
   sd_model *model = packing(61, 9, "gear5", false);
   sd_simulation *one = begin_run(model, 1), *many = begin_run(model, 4);
   engine *e = engine_of(many);
@@ -145,7 +135,6 @@ static void *advance_alone(void *with) {
 
 /* Many more threads than cores, beside others that want them, too: all wait for some that do not run, and get on. */
 static void threads_beside_others_get_on(void **unused) {
-  (void)unused;
   enum { N = 3, THREADS = 4 };
   sd_model *model = packing(301, 25, "verlet", false);
   sd_simulation *one = begin_run(model, 1), *many[N];
@@ -190,7 +179,6 @@ static void add_within(const team *t, void *with) {
 }
 
 static void tasks_within_tasks_are_done_by_all(void **unused) {
-  (void)unused;
   for (int threads = 1; threads <= 5; threads++) {
     pool *c = pool_new(threads);
     int count = 0;
@@ -200,11 +188,7 @@ static void tasks_within_tasks_are_done_by_all(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(large_packings_do_not_depend_on_the_threads),
-                                     cmocka_unit_test(gases_do_not_depend_on_the_threads),
-                                     cmocka_unit_test(fewer_threads_than_asked_for_do_all_the_work),
-                                     cmocka_unit_test(threads_beside_others_get_on),
-                                     cmocka_unit_test(tasks_within_tasks_are_done_by_all)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(large_packings_do_not_depend_on_the_threads),
+          TEST(gases_do_not_depend_on_the_threads),
+          TEST(fewer_threads_than_asked_for_do_all_the_work), TEST(threads_beside_others_get_on),
+          TEST(tasks_within_tasks_are_done_by_all))

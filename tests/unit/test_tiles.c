@@ -1,15 +1,4 @@
 /* test_tiles.c: decks whose last packing is made in tiles, of which each rank makes some. */
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 #include "io/store/h5.h"
 #define SCRATCH_NAME "tiles"
 #include "scratch_file.h"
@@ -28,7 +17,6 @@
       "frequency = 1; } );\n"
 
 static void test_tiles_of_ranks(void **state) {
-  (void)state;
   /* what depends on all disks: a servo, the surface of a wall, the stream of one random motion of
    * several walls, drag */
   static const char *const more[] = {
@@ -67,7 +55,6 @@ static void test_tiles_of_ranks(void **state) {
 
 /* All ranks make all disks of a deck that speaks of single ones, or asks for their order. */
 static void test_tiles_that_stay(void **state) {
-  (void)state;
   static const struct {
     const char *text, *why;
   } more[] = {
@@ -108,7 +95,6 @@ static void test_tiles_that_stay(void **state) {
 
 /* Mistakes in tiles are found by the ranks that have them; the others fail with them. */
 static void test_mistakes_in_tiles(void **state) {
-  (void)state;
   static const struct {
     const char *from, *to, *says;
   } changes[] = {
@@ -135,7 +121,6 @@ static void test_mistakes_in_tiles(void **state) {
 
 /* Every rank makes a packing without parts, up to a size. */
 static void test_too_many_for_every_rank(void **state) {
-  (void)state;
   reading r = read_deck(HEAD "container = { type = \"box\"; width = 6000; height = 6000; };\n"
                              "packings = ( { type = \"front\"; count = 3000000; " MONO " } );\n",
                         2, 0, NULL);
@@ -155,7 +140,6 @@ static void test_too_many_for_every_rank(void **state) {
        "lower = 0.2; upper = 0.4; density = 2; } );\n"
 
 static void test_rain_of_ranks(void **state) {
-  (void)state;
   sd_model *all = alone(RAIN("3", "2"));
   assert_int_equal(all->rains[0].count, 3301);
   for (int ranks = 2; ranks <= RANKS; ranks++) {
@@ -197,11 +181,6 @@ static int begin(void **state) {
   return messages ? make_folder(state) : -1;
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_tiles_of_ranks),    cmocka_unit_test(test_tiles_that_stay),
-      cmocka_unit_test(test_mistakes_in_tiles), cmocka_unit_test(test_too_many_for_every_rank),
-      cmocka_unit_test(test_rain_of_ranks),
-  };
-  return cmocka_run_group_tests(tests, begin, end);
-}
+RUN_TESTS_BETWEEN(begin, end, TEST(test_tiles_of_ranks), TEST(test_tiles_that_stay),
+                  TEST(test_mistakes_in_tiles), TEST(test_too_many_for_every_rank),
+                  TEST(test_rain_of_ranks))

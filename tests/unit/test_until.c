@@ -1,13 +1,5 @@
 /* test_until.c: a last phase that goes on until an error bar is small enough: when it is looked at, that the end
  * depends on model and state alone, what the deck may say, and what it does to the mean. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "model/model.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
@@ -17,7 +9,6 @@
 /* --- looks ------------------------------------------------------------------------------------------------- */
 
 static void looks_are_few(void **unused) {
-  (void)unused;
   const int64_t cases[][2] = {{1, 1},     {1, 50},         {7, 7},
                               {100, 101}, {1000, 1000000}, {3, INT64_MAX / 4}};
   for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
@@ -43,7 +34,6 @@ static void looks_are_few(void **unused) {
 /* --- goals ------------------------------------------------------------------------------------------------- */
 
 static void goal_of_a_state(void **unused) {
-  (void)unused;
   sd_disk disks[2] = {{.radius = 2}, {.radius = 0.5}};
   uint32_t watched[2] = {1, 0};
   sd_phase phase = {.steps = 1000000, .measure = true};
@@ -137,7 +127,6 @@ static sd_state *whole_run(const sd_model *model, int threads) {
 }
 
 static void ends_at_the_first_good_look(void **unused) {
-  (void)unused;
   sd_model *model = model_of(shaken);
   sd_state *end = whole_run(model, 1);
   assert_int_equal(end->phase, 2);
@@ -177,7 +166,6 @@ static void ends_at_the_first_good_look(void **unused) {
 }
 
 static void gives_up_at_max_time(void **unused) {
-  (void)unused;
   sd_model *model = model_of(SHAKEN("3000", "until = { relative = 1e-6; max_time = 0.1; };"));
   assert_int_equal(sd_model_steps(model), 700 + 5000);
   sd_state *end = whole_run(model, 1);
@@ -196,7 +184,6 @@ static void gives_up_at_max_time(void **unused) {
 /* --- decks ------------------------------------------------------------------------------------------------- */
 
 static void decks_say_it(void **unused) {
-  (void)unused;
   sd_model *model = model_of(SHAKEN("3000", "until = { error = 1e-3; max_time = 0.2; };"));
   const sd_until *u = &model->until;
   assert_true(u->asked && u->least == 3000 && u->rotation == 0 && !u->scaled && u->error == 1e-3 &&
@@ -228,7 +215,6 @@ static void decks_say_it(void **unused) {
 }
 
 static void decks_are_refused(void **unused) {
-  (void)unused;
   static const struct {
     const char *deck, *told;
   } cases[] = {
@@ -287,7 +273,6 @@ static void decks_are_refused(void **unused) {
 
 /* A model that is made by hand is looked at too. */
 static void models_are_refused(void **unused) {
-  (void)unused;
   const sd_until wrong[] = {
       {.least = 0, .error = 1},
       {.least = 3001, .error = 1},
@@ -313,7 +298,6 @@ static void models_are_refused(void **unused) {
 /* --- what it does to the mean (docs/physics.md 9; slow_until makes the whole table) ---------------------- */
 
 static void means_are_biased_little(void **unused) {
-  (void)unused;
   enum { SEEDS = 60 };
   const double two = 0.6; /* rho for tau = 2 */
   static const char *const heads =
@@ -338,14 +322,6 @@ static void means_are_biased_little(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(looks_are_few),
-                                     cmocka_unit_test(goal_of_a_state),
-                                     cmocka_unit_test(ends_at_the_first_good_look),
-                                     cmocka_unit_test(gives_up_at_max_time),
-                                     cmocka_unit_test(decks_say_it),
-                                     cmocka_unit_test(decks_are_refused),
-                                     cmocka_unit_test(models_are_refused),
-                                     cmocka_unit_test(means_are_biased_little)};
-  return cmocka_run_group_tests_name("until", tests, NULL, NULL);
-}
+RUN_TESTS(TEST(looks_are_few), TEST(goal_of_a_state), TEST(ends_at_the_first_good_look),
+          TEST(gives_up_at_max_time), TEST(decks_say_it), TEST(decks_are_refused),
+          TEST(models_are_refused), TEST(means_are_biased_little))

@@ -1,13 +1,5 @@
 /* test_validity.c: the validity check (physics/neighbours/validity.h) finds what is wrong: one promise is broken at a time, in
  * a child, which the check must end. What is right passes. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -214,12 +206,10 @@ static void all_are_found(const fault *list, size_t n, void (*look)(const engine
 }
 
 static void faults_of_lists(void **unused) {
-  (void)unused;
   all_are_found(in_lists, sizeof in_lists / sizeof *in_lists, validity_check_lists);
 }
 
 static void faults_of_steps(void **unused) {
-  (void)unused;
   all_are_found(in_step, sizeof in_step / sizeof *in_step, validity_check_step);
 }
 
@@ -232,7 +222,6 @@ static void take_a_step(const engine *e) {
 static void build_lists(const engine *e) { neighbours_build((engine *)(uintptr_t)e, NULL); }
 
 static void dev_builds_look(void **unused) {
-  (void)unused;
   if (!VALIDITY_CHECKED) {
     print_message("this build does not look by itself (SLIPDISK_CHECK)\n");
     skip();
@@ -246,11 +235,4 @@ static void dev_builds_look(void **unused) {
   end(sim);
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(faults_of_lists),
-      cmocka_unit_test(faults_of_steps),
-      cmocka_unit_test(dev_builds_look),
-  };
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(faults_of_lists), TEST(faults_of_steps), TEST(dev_builds_look))

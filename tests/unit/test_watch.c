@@ -1,12 +1,4 @@
 /* test_watch.c: the running statistics against a recount that looks at the state after every step. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 #include "model/model.h"
 
@@ -93,7 +85,6 @@ static void compare_counts(const recount *r, const sd_model *m, const sd_state *
 }
 
 static void counts_equal_a_recount(void **unused) {
-  (void)unused;
   const char *decks[] = {ratchet, hills};
   for (int d = 0; d < 2; d++) {
     sd_model *m = model_of(decks[d]);
@@ -151,7 +142,4 @@ static void counts_equal_a_recount(void **unused) {
   }
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(counts_equal_a_recount)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(counts_equal_a_recount))

@@ -1,13 +1,5 @@
 /* test_waves.c: square and triangle waves against their formulas in extended precision, their largest velocity and
  * acceleration, the energy of disks that they drive, alone and in lanes, and mistakes in decks. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 #include "brief.h"
 #include "deck_runs.h"
 #include "model/model.h"
@@ -94,7 +86,6 @@ static void compare(const char *move, int coordinate, long double amplitude, lon
 }
 
 static void waves_follow_their_formulas(void **unused) {
-  (void)unused;
   compare(TRIANGLE, SD_X, -0.125L, 0);
   compare(TRIANGLE, SD_THETA, -0.125L, 0);
   compare(SQUARE(1), SD_X, 0.125L, 1);
@@ -105,7 +96,6 @@ static void waves_follow_their_formulas(void **unused) {
 
 /* Second differences find the acceleration that the deck asked for. */
 static void a_square_has_its_acceleration(void **unused) {
-  (void)unused;
   sd_model *model =
       driven("{ disk = \"d\"; coordinate = \"y\"; type = \"square\"; acceleration = 3; "
              "frequency = 2; rise = 0.5; }");
@@ -154,7 +144,6 @@ static double floor_residual(const char *integrator, double dt, const char *wave
 }
 
 static void energy_is_balanced(void **unused) {
-  (void)unused;
   const char *const waves[] = {"type = \"square\"; rise = 0.5;", "type = \"triangle\";"};
   const char *const integrators[] = {"gear5", "verlet"};
   for (int w = 0; w < 2; w++)
@@ -192,7 +181,6 @@ static void refused(const char *move, const char *what) {
 }
 
 static void mistakes_are_told(void **unused) {
-  (void)unused;
 #define WAVE(type, more) "type = \"" type "\"; amplitude = 0.1; frequency = 1; " more
   refused(WAVE("square", ""), "missing: type \"square\" needs it (square: share of half a period");
   refused(WAVE("square", "rise = 0;"), "expected a number > 0");
@@ -206,11 +194,5 @@ static void mistakes_are_told(void **unused) {
   refused("type = \"triangle\"; frequency = 1;", "amplitude");
 }
 
-int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(waves_follow_their_formulas),
-      cmocka_unit_test(a_square_has_its_acceleration),
-      cmocka_unit_test(energy_is_balanced),
-      cmocka_unit_test(mistakes_are_told)};
-  return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(TEST(waves_follow_their_formulas), TEST(a_square_has_its_acceleration),
+          TEST(energy_is_balanced), TEST(mistakes_are_told))

@@ -1,12 +1,6 @@
 /* test_windows.c: steps taken in windows (physics/step/window.h) have the bits of single steps, on
  * one thread and on two; and windows are undone where only single steps do. Small chunks
  * (SLIPDISK_CHUNK) let small systems take windows; one system has the size that needs no such help. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
-
 #include "deck_runs.h"
 
 enum { SMALL = 500, LARGE = 20500, WIDE = 25, STEPS = 330 };
@@ -106,7 +100,6 @@ static void compare(const trial *t) {
 }
 
 static void windows_have_the_bits_of_single_steps(void **unused) {
-  (void)unused;
   for (size_t k = 0; k < sizeof trials / sizeof *trials; k++) compare(&trials[k]);
 }
 
@@ -125,7 +118,6 @@ static int64_t fails_at(const sd_model *model, int threads, char *told, size_t s
 }
 
 static void a_deep_overlap_is_told_of_the_step_in_which_it_is(void **unused) {
-  (void)unused;
   sd_model *model = column(&(trial){"", "integrator = \"verlet\"; max_overlap = 0.002;", LINEAR,
                                     SHAKE, "", true, false});
   char a[400], b[400];
