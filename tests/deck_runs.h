@@ -49,6 +49,14 @@ HELPER sd_model *model_of(const char *deck) {
   return model;
 }
 
+/* Frees the text. */
+HELPER sd_model *model_of_text(text *t) {
+  sd_model *model = model_of(t->s);
+  free(t->s);
+  *t = (text){0};
+  return model;
+}
+
 /* What is asked to have several threads takes the general step, also where the model is small enough for the other. */
 HELPER simulation_step step_for(int threads) {
   return threads > 1 ? SIMULATION_GENERAL : SIMULATION_SUITABLE;
@@ -70,6 +78,11 @@ HELPER void advance(sd_simulation *sim, int64_t n) {
   sd_messages_print(messages, stderr);
   sd_messages_free(messages);
   assert_int_equal(status, SD_OK);
+}
+
+HELPER void end_run(sd_simulation *sim, sd_model *model) {
+  sd_simulation_free(sim);
+  sd_model_free(model);
 }
 
 /* A fresh state with the same columns. */

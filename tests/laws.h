@@ -65,8 +65,6 @@ HELPER sd_simulation *laws_begin(text *t, bool general) {
   return s;
 }
 
-/* --- impacts ----------------------------------------------------------------------------------------------- */
-
 enum { LAWS_MOST = 2 };
 
 /* Disk 0 at the origin, disk 1, or the floor, at a gap from it in direction beta. */
@@ -119,8 +117,6 @@ HELPER sd_simulation *laws_impact(const law *l, const hit *h) {
              at[1][0], at[1][1], h->radius[1], side > 0 ? "outside" : "inside");
   return laws_begin(&t, h->general);
 }
-
-/* --- reference --------------------------------------------------------------------------------------------- */
 
 /* b of a coefficient of restitution, of unit mass and stiffness: with the cutoff, or without it. */
 HELPER double law_damping_ratio(double e, bool pulls) {

@@ -37,35 +37,6 @@ phases = ( {{ steps = 3000; series = 300; frames = 1000; contacts = 1000; measur
 measure = {{ disks = true; }};
 """
 
-# Contacts turn fast where disks go round a periodic box: both in one step, and its rounding is seen.
-SHEAR = f"""
-title = "shear"; integrator = "verlet"; dt = 1e-3; seed = 5;
-{GRAIN.replace("1e4", "1e3").replace("5e3", "500")}
-container = {{ type = "channel"; width = 12; height = 12; }};
-walls = ( {{ name = "lid"; type = "line"; points = ((-6, 12), (6, 12)); }} );
-packings = ( {{ type = "random"; fraction = 0.45; density = 1.27; sizes = "uniform"; lower = 0.4; upper = 0.6; }} );
-fields = ( {{ name = "fluid"; type = "drag"; gamma = 2; gamma_rotation = 4; per = "mass"; shear_rate = 1.5; centre = (0, 6); }} );
-phases = ( {{ steps = 6000; series = 100; frames = 100; contacts = 100; }} );
-"""
-
-# Walls that move, turn and lie across the edges of the box: disks touch their images, and go round them.
-IMAGES = f"""
-title = "images"; integrator = "verlet"; dt = 1e-3; seed = 5;
-{GRAIN}
-box = {{ x = (0, 20); y = (0, 20); periodic = "xy"; }};
-walls = ( {{ name = "post"; type = "line"; points = ((0.3, 0), (0.3, 1)); }},
-          {{ name = "saw"; type = "polyline"; points = ((3, 19.8), (13, 20.4), (23, 19.8)); }},
-          {{ name = "paddle"; type = "segment"; points = ((9, 10), (13, 10)); }},
-          {{ name = "bowl"; type = "arc"; center = (19.8, 10); radius = 2; from = 3.3; to = 6.1; }} );
-{LATTICE % (150, "1, 19.4", "1.2, 19")}
-motions = ( {{ wall = ("post", "bowl"); coordinate = "x"; type = "velocity"; velocity = 1.5; ramp = 0.5; }},
-            {{ wall = "paddle"; coordinate = "theta"; type = "velocity"; velocity = 3; ramp = 0.5; }},
-            {{ wall = "paddle"; coordinate = ("x", "y"); type = "velocity"; velocity = 2; ramp = 0.5; }} );
-phases = ( {{ steps = 3000; series = 100; frames = 500; contacts = 500; measure = true; }} );
-measure = {{ walls = true; stress = true; disks = true; }};
-max_overlap = 1;
-"""
-
 # So few disks in the channel that ranks have none, and get some.
 FEW = CHANNEL.replace("count = 180;", "count = 7;").replace("steps = 3000;", "steps = 8000;").replace("disks = true;", "disks = true; rotation = (); sliding = ();")
 
@@ -102,36 +73,6 @@ LOST = COLLAPSE.replace("phases = (", """disks = ( { name = "lost"; x = 15; y = 
 fields = ( { name = "hole"; type = "central"; disk = "lost"; centre = (15, 20); strength = 1e100; power = 8; } );
 phases = ( { name = "calm"; steps = 300; fields = (); },""")
 
-# Phases that end where the disks are: motions that fade in and stop, fields that change, a rest that does not come, means that pause.
-PHASES = f"""
-title = "phases"; integrator = "verlet"; dt = 5e-4; gravity = {{ g = 1; }}; seed = 3;
-{GRAIN}
-container = {{ type = "box"; width = 30; height = 40; }};
-packings = ( {{ type = "random"; count = 600; sizes = "uniform"; lower = 0.2; upper = 0.4; density = 1; group = "red"; }},
-             {{ type = "random"; count = 500; sizes = "uniform"; lower = 0.2; upper = 0.4; density = 1; group = "blue"; }} );
-fields = ( {{ name = "wind"; type = "drag"; gamma = 0.3; shear_rate = 0.1; centre = (0, 0); group = "red"; }},
-           {{ name = "damping"; type = "damping"; alpha = 0.2; }} );
-motions = ( {{ name = "shake"; wall = "floor"; coordinate = "y"; type = "harmonic"; amplitude = 0.1; frequency = 1; ramp = 0.2; }},
-            {{ name = "push"; wall = "left"; coordinate = "x"; type = "velocity"; velocity = 0.3; ramp = 0.2; }} );
-phases = ( {{ name = "push"; steps = 900; series = 100; frames = 300; contacts = 300; motions = ("push"); fields = ("wind"); measure = true; }},
-           {{ name = "shake"; steps = 1000; series = 100; frames = 500; motions = ("shake"); fields = ("damping");
-              settle = {{ kinetic = 1e-5; every = 300; }}; }},
-           {{ name = "both"; steps = 800; series = 100; frames = 400; measure = true; }} );
-measure = {{ disks = true; walls = true; groups = true; stress = true; }};
-"""
-
-# Rain on fixed disks; what rolls off is taken away.
-RAIN = f"""
-title = "rain"; integrator = "verlet"; dt = 1e-3; gravity = {{ g = 1; }};
-{GRAIN}
-disk_rows = ( {{ columns = ("x", "y", "radius"); density = 1.27; fixed = true; group = "floor"; rows = (
-    (-5, 0, 0.5), (-4, 0, 0.5), (-3, 0, 0.5), (-2, 0, 0.5), (-1, 0, 0.5), (0, 0, 0.5), (1, 0, 0.5), (2, 0, 0.5), (3, 0, 0.5)); }} );
-packings = ( {{ type = "rain"; count = 80; rows = 1; interval = 1; x = (-4, 4); y = (0.5, 10); gap = 1; group = "grains";
-                density = 1.27; sizes = "uniform"; lower = 0.4; upper = 0.6; }} );
-bounds = {{ y = (-3, 1000); outside = "remove"; }};
-phases = ( {{ steps = 8000; frames = 2000; series = 500; }} );
-"""
-
 # Two rains at once on a shaken floor, so many disks that a phase puts them in order.
 SHOWERS = f"""
 title = "showers"; integrator = "verlet"; dt = 2e-4; gravity = {{ g = 1; }}; seed = 3;
@@ -161,22 +102,6 @@ bounds = {{ y = (0.9, 1000); outside = "remove"; }};
 phases = ( {{ steps = 200; frames = 100; series = 50; }}, {{ steps = 300; frames = 100; series = 50; }} );
 """
 
-# The same disks at once, on a floor that throws them up over the bounds.
-BOUNDS = RAIN.replace('type = "rain"; count = 80; rows = 1; interval = 1;', 'type = "square"; jitter = 0.5; count = 40;').replace(
-    " gap = 1;", "").replace("(-3, 1000)", "(-3, 9)").replace("remove", "report").replace(
-    "phases", 'motions = ( { group = "floor"; coordinate = "y"; type = "harmonic"; acceleration = 15; frequency = 0.5; } );\nphases')
-
-# Two disks are taken out in the first phase, and told in the order that the last one begins with.
-GONE = f"""
-title = "gone"; integrator = "verlet"; dt = 1e-3; gravity = {{ g = 1; }};
-{GRAIN}
-container = {{ type = "box"; width = 40; height = 60; }};
-disks = ( {{ x = 8; y = 39; vy = 20; radius = 0.4; density = 1; }}, {{ x = -9; y = 39; vx = 1; vy = 20; radius = 0.4; density = 1; }} );
-{LATTICE % (1200, "-19, 19", "0.1, 36")}
-bounds = {{ x = (-22, 22); y = (-3, 45); outside = "remove"; }};
-phases = ( {{ name = "leave"; steps = 600; series = 100; }}, {{ name = "stay"; steps = 300; series = 100; frames = 300; }} );
-"""
-
 # All that a series can sum up, in many rows: two materials, groups that are mixed, a lid within the region.
 MIXTURE = """
 materials = ( { name = "hard"; k_n = 1e4; k_t = 5e3; gamma_n = 0.5; mu = 0.4; }, { name = "soft"; k_n = 6e3; k_t = 2e3; gamma_n = 0.5; mu = 0.2; } );
@@ -186,29 +111,6 @@ packings = ( { type = "square"; jitter = 0.5; count = 90; x = [ %s ]; y = [ %s ]
              { type = "square"; jitter = 0.5; count = 70; x = [ %s ]; y = [ %s ]; group = "blue"; density = 2; material = "soft";
                 sizes = "uniform"; lower = 0.3; upper = 0.5; } );
 """
-SUMS = f"""
-title = "sums"; integrator = "gear5"; dt = 1e-3; gravity = {{ g = 1; }};
-{MIXTURE % ("-7.4, 7.4", "0.6, 8", "-7.4, 7.4", "8.5, 14")}
-container = {{ type = "box"; width = 16; height = 16; open = false; material = "hard"; }};
-motions = ( {{ name = "press"; wall = "lid"; coordinate = "y"; type = "load"; mass = 5; force = -40; }},
-            {{ name = "shake"; wall = "floor"; coordinate = "x"; type = "harmonic"; amplitude = 0.3; frequency = 1; ramp = 1; }} );
-bounds = {{ y = (-5, 100); outside = "remove"; }};
-phases = ( {{ steps = 3000; motions = ("press", "shake"); series = 7; frames = 1000; contacts = 500; }} );
-measure = {{ walls = true; groups = true; box = true; stress = true; contacts = (3, 50, 120, 159); }};
-"""
-
-# The same in a periodic box that was compressed before: disks of groups go round, also as ghosts; all ranks have one disk.
-PERIODIC = f"""
-title = "periodic"; integrator = "verlet"; dt = 1e-3;
-{MIXTURE % ("0, 20", "0, 6", "0, 20", "7, 13")}
-box = {{ x = (0, 20); y = (0, 14); periodic = "xy"; }};
-disks = ( {{ x = 10; y = 13.3; radius = 0.5; fixed = true; density = 1; group = "red"; material = "soft"; }} );
-motions = ( {{ name = "turn"; disk = 0; coordinate = "theta"; type = "velocity"; velocity = 20; }} );
-phases = ( {{ name = "compress"; steps = 2000; series = 500; compress = {{ fraction = 0.82; rate = 0.3; }}; }},
-           {{ name = "flow"; steps = 3000; series = 1; frames = 1000; contacts = 500; }} );
-measure = {{ groups = true; box = true; stress = true; contacts = (0, 7, 150); }};
-"""
-
 # Packings in tiles, of which ranks make their own: a front around a disk at the edge of a periodic box; a lattice across a tall box, whose
 # disks have sizes of two levels.
 TILES = f"""
@@ -306,8 +208,8 @@ CARRIED = KNOWN.replace("rupture = 0.05", "rupture = 0.1")
 # In a longer box those at its ends lose their partners.
 WIDER = KNOWN.replace("x = (0, 200)", "x = (0, 201)")
 
-DECKS = {"bed": BED, "known": KNOWN, "carried": CARRIED, "wider": WIDER, "slide": SLIDE, "leave": LEAVE, "drops": DROPS, "lost drops": LOST_DROPS, "front in rain": FRONT_IN_RAIN, "prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "shear": SHEAR, "images": IMAGES, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, "rain": RAIN, "bounds": BOUNDS, "sums": SUMS,
-         "periodic": PERIODIC, "tiles": TILES, "showers": SHOWERS, "last drop": LAST_DROP, "lost drop": LOST_DROP, "phases": PHASES, "gone": GONE, "levels": LEVELS}
+DECKS = {"bed": BED, "known": KNOWN, "carried": CARRIED, "wider": WIDER, "slide": SLIDE, "leave": LEAVE, "drops": DROPS, "lost drops": LOST_DROPS, "front in rain": FRONT_IN_RAIN, "prepared": PREPARED, "file": FILE, "columns": COLUMNS, "collapse": COLLAPSE, "channel": CHANNEL, "few": FEW, "laws": LAWS, "pressed": PRESSED, "slam": SLAM, "lost": LOST, 
+         "tiles": TILES, "showers": SHOWERS, "last drop": LAST_DROP, "lost drop": LOST_DROP, "levels": LEVELS}
 
 
 def some(all_numbers, few):

@@ -24,8 +24,6 @@ HELPER void close_to(double value, double expected, double relative, const char 
   between(value, expected - width, expected + width, what);
 }
 
-/* --- a run ------------------------------------------------------------------------------------------- */
-
 typedef struct trial {
   sd_model *model;
   sd_simulation *sim;
@@ -85,8 +83,6 @@ HELPER sd_slide trial_slide(trial *run) {
   return sd_slide_of(run->model, sd_simulation_state(run->sim), 0);
 }
 
-/* --- random vibration -------------------------------------------------------------------------------- */
-
 typedef struct vibrated {
   sd_rotation rotation;
   sd_slide slide;
@@ -106,8 +102,6 @@ HELPER vibrated vibrate(double tilt, double dt, double time, unsigned seed, cons
   trial_end(&run);
   return out;
 }
-
-/* --- supports that turn to and fro ------------------------------------------------------------------- */
 
 typedef struct turned {
   double omega;     /* mean over the last period, half way between the runs from both sides */

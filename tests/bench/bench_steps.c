@@ -29,8 +29,6 @@ typedef struct options {
   bool quick, serve, list, scaling, shuffle, ratios;
 } options;
 
-/* --- this build alone -------------------------------------------------------------------------------- */
-
 static void print_cases(const bench_case *cases, size_t n, double (*ns)[MAX_REPEATS], int repeats) {
   printf("\nns per step of one system: time / (steps x members)\n");
   printf("%-32s %7s %5s %8s %10s %10s %21s %12s\n", "case", "members", "disks", "contacts",
@@ -61,8 +59,6 @@ static void measure(const options *o, bench_case *cases, size_t n) {
   }
   free(ns);
 }
-
-/* --- two builds -------------------------------------------------------------------------------------- */
 
 typedef struct server {
   const char *program;
@@ -176,8 +172,6 @@ static void compare(const options *o, const char *self, const bench_case *cases,
   free(theirs);
   free(both);
 }
-
-/* --- command line ------------------------------------------------------------------------------------ */
 
 static _Noreturn void usage(int status) {
   fprintf(

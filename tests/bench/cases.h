@@ -125,8 +125,6 @@ static double cpu_seconds(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* --- decks ------------------------------------------------------------------------------------------- */
-
 /* Numbers in [0, 1), the same on every machine. */
 static double next_uniform(uint32_t *seed) {
   *seed = *seed * 1664525u + 1013904223u;
@@ -185,8 +183,6 @@ static sd_model *load(const bench_system *system, const char *integrator, size_t
   sd_messages_free(messages);
   return model;
 }
-
-/* --- simulations ------------------------------------------------------------------------------------- */
 
 static void advance(bench_case *c, int64_t steps) {
   if (c->ensemble)

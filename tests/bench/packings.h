@@ -49,8 +49,6 @@ static void free_packing(packing *p) {
   *p = (packing){0};
 }
 
-/* --- model ------------------------------------------------------------------------------------------- */
-
 /* A (1 - cos wt): a sine that begins a quarter of a period early, and a constant. */
 static void add_floor_motions(sd_model *m, const packing_kind *kind) {
   double omega = 2.0 * acos(-1.0) / (PERIOD * m->dt),
@@ -126,8 +124,6 @@ static sd_model *packing_model(packing *p, sd_integrator integrator, int64_t res
   return m;
 }
 
-/* --- the packing that is copied ---------------------------------------------------------------------- */
-
 /* Disks in rows that do not touch: what falls on the floor. */
 static packing loose_packing(const packing_kind *kind, size_t count) {
   const double mean = 0.02, spacing = 2.45 * mean;
@@ -186,8 +182,6 @@ static packing settled_packing(const packing_kind *kind, size_t count) {
   sd_messages_free(messages);
   return p;
 }
-
-/* --- copies ------------------------------------------------------------------------------------------ */
 
 /* Numbers that know nothing of places. */
 static uint32_t *shuffled_numbers(size_t n) {

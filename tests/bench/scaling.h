@@ -35,8 +35,6 @@ typedef struct scaling_case {
   int64_t builds[MAX_REPEATS];
 } scaling_case;
 
-/* --- cases ------------------------------------------------------------------------------------------- */
-
 /* Positive whole numbers with commas between them; 1e5 is one, too. */
 static size_t read_numbers(const char *text, size_t *number) {
   size_t n = 0;
@@ -115,8 +113,6 @@ static void free_scaling_case(scaling_case *c) {
   sd_messages_free(c->messages);
   if (c->owns_model) sd_model_free(c->model);
 }
-
-/* --- time -------------------------------------------------------------------------------------------- */
 
 /* Of one thread CPU time, of several the time that passes: threads that wait spend CPU time, too. */
 static double seconds_now(const scaling_case *c) {

@@ -35,8 +35,6 @@ static void print_scaling_head(FILE *out, const char *mark, int repeats, double 
   print_where(out, mark, "", repeats, seconds, ", in alternation; 1 thread: CPU time");
 }
 
-/* --- screen and CSV ---------------------------------------------------------------------------------- */
-
 #define SCALING_COLUMNS                                                                            \
   "case,packing,disks,numbers,integrator,threads,path,candidates_per_disk,contacts_per_disk,"      \
   "steps,repeats,"                                                                                 \
@@ -107,8 +105,6 @@ static size_t read_scaling_csv(const char *path, scaling_row *rows) {
   if (n == 0) give_up("an empty table", NULL);
   return n;
 }
-
-/* --- Markdown ---------------------------------------------------------------------------------------- */
 
 static bool same_line(const scaling_row *a, const scaling_row *b) {
   return strcmp(a->packing, b->packing) == 0 && a->disks == b->disks &&

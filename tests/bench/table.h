@@ -69,8 +69,6 @@ static void print_head(FILE *out, const char *mark, int repeats, double seconds)
   print_where(out, mark, "1 thread, ", repeats, seconds, " of CPU time, in alternation");
 }
 
-/* --- CSV --------------------------------------------------------------------------------------------- */
-
 /* members: systems that are advanced together; vectors: 0 for one by itself. ns are per step of one system. */
 #define TABLE_COLUMNS                                                                              \
   "case,system,integrator,path,members,vectors,free_disks,contacts,steps,repeats,median_ns,least_" \
@@ -124,8 +122,6 @@ static size_t read_csv(const char *path, table_row *rows) {
   if (n == 0) give_up("an empty table", NULL);
   return n;
 }
-
-/* --- Markdown ---------------------------------------------------------------------------------------- */
 
 static const char *const path_titles[PATHS] = {"AVX-512", "AVX2", "baseline"}; /* of paths[] */
 

@@ -133,8 +133,6 @@ static void keep_message(outcome *o, const sd_messages *m) {
   if (sd_messages_count(m)) snprintf(o->message, sizeof o->message, "%s", sd_messages_text(m, 0));
 }
 
-/* --- one process ------------------------------------------------------------------------------ */
-
 /* The simulation goes on as a new one. */
 static sd_simulation *saved_and_restored(sd_simulation *sim, const way *w, outcome *o,
                                          sd_messages *messages) {
@@ -297,8 +295,6 @@ static void run_lanes(const scene *on, const way *w, outcome *o) {
   }
 }
 
-/* --- ranks ------------------------------------------------------------------------------------ */
-
 static void run_ranks(const scene *on, const way *w, outcome *o) {
   if (on->calls.n > 0) {
     snprintf(o->left, sizeof o->left, "programs of one process steer");
@@ -321,8 +317,6 @@ static void run_ranks(const scene *on, const way *w, outcome *o) {
   r.end = NULL;
   end(&r);
 }
-
-/* --- comparison ------------------------------------------------------------------------------- */
 
 static void run_way(const scene *on, const way *w, outcome *o) {
   setenv("SLIPDISK_WINDOWS", w->windows, 1);
@@ -374,8 +368,6 @@ static const char *difference(const outcome *a, const outcome *b, char *what, si
     snprintf(what, size, "step %lld for %lld", (long long)b->end->step, (long long)a->end->step);
   return what;
 }
-
-/* --- results ---------------------------------------------------------------------------------- */
 
 static const struct result_way {
   const char *name, *path, *windows;
@@ -436,8 +428,6 @@ static void write_results(const scene *on) {
       printf("%s\t%s\t%s\n", on->path, result_ways[k].name, result);
   }
 }
-
-/* --- decks ------------------------------------------------------------------------------------ */
 
 static char *text_of(const char *path) {
   FILE *f = fopen(path, "r");

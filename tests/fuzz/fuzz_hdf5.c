@@ -82,8 +82,6 @@ int LLVMFuzzerInitialize(int *argc, char ***argv) {
   return 0;
 }
 
-/* --- alterations -------------------------------------------------------------------------------------- */
-
 static const char *some_path(const seed *s, input *in) {
   unsigned k = byte(in) << 8;
   k |= byte(in);
@@ -247,8 +245,6 @@ static void alter(hid_t file, const seed *s, input *in) {
     if (what == 5) relink(file, path, some_path(s, in), in);
   }
 }
-
-/* --- readers ------------------------------------------------------------------------------------------ */
 
 static void look(void *user, const char *path, sd_type type, bool text, int rank,
                  const size_t *dims) {

@@ -220,8 +220,6 @@ static int on_fd(const char *kind, int fd) { return fd < 0 ? GO_ON : on_path(kin
     }                                                                                              \
   } while (0)
 
-/* --- open and close ------------------------------------------------------------------------------- */
-
 #define MODE_OF(flags)                                                                             \
   mode_t mode = 0;                                                                                 \
   if ((flags) & (O_CREAT | O_TMPFILE)) {                                                           \
@@ -284,8 +282,6 @@ EXPORT int close(int fd) {
   return result;
 }
 
-/* --- read and write ------------------------------------------------------------------------------- */
-
 /* How much of it, by the verdict and by what is left of the disk; -1 with errno set: nothing. */
 static ssize_t share(const char *kind, int fd, size_t n, bool *dies) {
   int decision = on_fd(kind, fd);
@@ -345,8 +341,6 @@ EXPORT ssize_t __pread_chk(int fd, void *bytes, size_t n, off_t at, size_t size)
   return pread(fd, bytes, n, at);
 }
 
-/* --- calls on an open file, and on one path ------------------------------------------------------- */
-
 #define ON_FD(kind, type, name, declared, given, ...)                                              \
   EXPORT type name declared {                                                                      \
     REAL(type, #name, __VA_ARGS__);                                                                \
@@ -401,8 +395,6 @@ ON_PATH_AT("stat", fstatat64, (int at, const char *path, struct stat64 *facts, i
 ON_PATH_AT("stat", statx, (int at, const char *path, int flags, unsigned mask, struct statx *facts),
            (at, path, flags, mask, facts), int, const char *, int, unsigned, struct statx *)
 
-/* --- calls on two paths: the new name counts ------------------------------------------------------ */
-
 #define TO_PATH(kind, name, declared, given, folder, ...)                                          \
   EXPORT int name declared {                                                                       \
     REAL(int, #name, __VA_ARGS__);                                                                 \
@@ -420,8 +412,6 @@ TO_PATH("link", link, (const char *from, const char *path), (from, path), AT_FDC
 TO_PATH("link", linkat, (int old, const char *from, int at, const char *path, int flags),
         (old, from, at, path, flags), at, int, const char *, int, const char *, int)
 
-/* --- the clock ------------------------------------------------------------------------------------ */
-
 static double uniform(void) {
   chance = chance * 6364136223846793005u + 1442695040888963407u;
   return (double)(chance >> 11) * 0x1p-53;
@@ -438,8 +428,6 @@ EXPORT int clock_gettime(clockid_t clock, struct timespec *t) {
   t->tv_nsec = (long)(nanoseconds - 1e9 * (double)(time_t)(nanoseconds / 1e9));
   return result;
 }
-
-/* --- folders -------------------------------------------------------------------------------------- */
 
 #define READS_FOLDER(name, entry)                                                                  \
   EXPORT struct entry *name(DIR *folder) {                                                         \

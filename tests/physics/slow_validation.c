@@ -3,8 +3,6 @@
  */
 #include "validation.h"
 
-/* --- random vibration (52) ----------------------------------------------------------------------------- */
-
 static void decks_own_step(void **unused) {
   vibrated tilted = vibrate(0.04, 1e-6, 60, 1, ""), level = vibrate(0, 1e-6, 60, 1, "");
   print_message("dt 1e-6: Omega %.3g +- %.2g, without tilt %.3g +- %.2g\n", tilted.rotation.omega,
@@ -62,8 +60,6 @@ static void error_bars_are_the_scatter_of_seeds(void **unused) {
       assert_true(fabs(sum) < 2 * sqrt(weight));
   }
 }
-
-/* --- supports that turn to and fro --------------------------------------------------------------------- */
 
 static drive paper_drive(bool opposite) {
   return (drive){.opposite = opposite,

@@ -5,8 +5,6 @@
 #include "model/cell.h"
 #include "physics/system/box.h"
 
-/* --- stress ------------------------------------------------------------------------------------------- */
-
 /* As the series and `measure` have it. */
 static void stress_of(sd_simulation *sim, double contact[4], double kinetic[4]) {
   const sd_model *m = sd_simulation_model(sim);
@@ -24,8 +22,6 @@ static void stress_of(sd_simulation *sim, double contact[4], double kinetic[4]) 
   frame_data_free(&f);
 }
 
-/* --- one pair ------------------------------------------------------------------------------------------ */
-
 static sd_model *pair_model(const char *integrator, const char *variant, bool boxed) {
   text t = {0};
   const double lift = boxed ? 0.0 : 10.0, flow = boxed ? 0.0 : 0.05 * 10.0;
@@ -42,9 +38,7 @@ static sd_model *pair_model(const char *integrator, const char *variant, bool bo
                  "phases = ( { steps = 3000; cell = { rate_xy = 0.05; boundary = true; }; } );\n");
   else
     text_add(&t, "steps = 3000;\n");
-  sd_model *m = model_of(t.s);
-  free(t.s);
-  return m;
+  return model_of_text(&t);
 }
 
 /* A disk and the image of another: the same as that disk beside one that is where the image is, and as fast. The first goes
@@ -84,13 +78,10 @@ static void test_pair(void **unused) {
     between(a.viscous / b.viscous - 1, -1e-9, 1e-9, "viscous");
     between(a.residual / a.scale, -2e-5, 2e-5, "residual");
     sd_simulation_free(sim);
-    sd_simulation_free(beside);
-    sd_model_free(m);
+    end_run(beside, m);
     sd_model_free(open);
   }
 }
-
-/* --- a lattice ------------------------------------------------------------------------------------------- */
 
 enum { WIDE = 6, HIGH = 6 };
 
@@ -108,9 +99,7 @@ static sd_model *lattice(double dt, double overlap, const char *phases) {
       text_add(&t, "%s(%.17g, %.17g, 0.5)", row || k ? ", " : "",
                1.0 + a * (k + 0.5 * (row % 2) + 0.2), -2.0 + height * (row + 0.3));
   text_add(&t, "); } ); measure = { rotation = (); };\n%s", phases);
-  sd_model *m = model_of(t.s);
-  free(t.s);
-  return m;
+  return model_of_text(&t);
 }
 
 /* Stress of a triangular lattice of springs whose bonds F takes along: three bonds a disk, for two compression positive. */
@@ -174,8 +163,7 @@ static void test_lattice(void **unused) {
       between(log(s->cell[CELL_X]) / (-3e-4 * 80) - 1, -1e-12, 1e-12, "strain in x");
       between(log(s->cell[CELL_Y]) / (2e-4 * 80) - 1, -1e-12, 1e-12, "strain in y");
     }
-    sd_simulation_free(sim);
-    sd_model_free(m);
+    end_run(sim, m);
   }
 }
 
@@ -199,8 +187,7 @@ static void test_moduli(void **unused) {
                               (before[2] - after[2]) / strain};
     print_message("  %s: %.7f %.7f %.7f\n", rate, change[0], change[1], change[2]);
     for (int c = 0; c < 3; c++) between((change[c] - modulus[k][c]) / mu, -1e-4, 1e-4, "modulus");
-    sd_simulation_free(sim);
-    sd_model_free(m);
+    end_run(sim, m);
   }
 }
 
@@ -234,11 +221,8 @@ static void test_whole_shear(void **unused) {
     }
   }
   assert_true(fabs(start[0]) > 0.1);
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
-
-/* --- packings ----------------------------------------------------------------------------------------------- */
 
 typedef struct request {
   const char *integrator, *variant, *more;
@@ -272,9 +256,7 @@ static sd_model *packing(const request *r, const char *phases) {
              0.4 + 0.2 * next_uniform(&seed));
   }
   text_add(&t, "); } ); measure = { rotation = (); };\n%s%s", r->more, phases);
-  sd_model *m = model_of(t.s);
-  free(t.s);
-  return m;
+  return model_of_text(&t);
 }
 
 /* Where the box begins has no meaning: all positions shifted, all else is the same but for a common velocity. */
@@ -309,8 +291,7 @@ static void test_translation(void **unused) {
   const sd_energy a = sd_simulation_energy(sim), b = sd_simulation_energy(moved);
   between(b.friction / a.friction - 1, -1e-8, 1e-8, "friction");
   sd_simulation_free(sim);
-  sd_simulation_free(moved);
-  sd_model_free(m);
+  end_run(moved, m);
   sd_model_free(n);
 }
 
@@ -338,8 +319,7 @@ static void test_energy(void **unused) {
       print_message("  %s %s dt %g: work %.4g, friction %.4g, residual/scale %.2g\n", r.integrator,
                     r.variant, r.dt, e.work, e.friction, e.residual / e.scale);
       assert_true(e.friction > 0.1 * e.work && e.viscous > 0.1 * e.work);
-      sd_simulation_free(sim);
-      sd_model_free(m);
+      end_run(sim, m);
     }
     assert_true(residual[0] < 2e-5);
     assert_true(residual[1] < 0.4 * residual[0]);
@@ -369,8 +349,7 @@ static void test_stress_is_reached(void **unused) {
   between(mean[3] / 0.01, 0.98, 1.02, "stress_yy");
   between(-mean[2] / mean[3], 0.15, 0.5, "effective friction");
   assert_true(fabs(s->cell[CELL_X] - 1) > 0.01);
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
 
 /* A phase that settles waits for the stress, also where all else has long been fulfilled. */
@@ -391,11 +370,8 @@ static void test_settles_at_the_stress(void **unused) {
   assert_true(sd_simulation_finished(sim) && s->step < 40000 && s->phase_reached[0]);
   between((contact[0] + kinetic[0]) / 0.01, 0.9899, 1.0101, "stress_xx");
   between((contact[3] + kinetic[3]) / 0.01, 0.9899, 1.0101, "stress_yy");
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
-
-/* --- mistakes ----------------------------------------------------------------------------------------------------- */
 
 static void refused(const char *deck, const char *expected) {
   sd_messages *messages = sd_messages_new();

@@ -32,15 +32,13 @@ static sd_simulation *dimer_in(const char *acting, const char *motion) {
            "(0.8, 0)); } "
            ");\nclumps = ( { disk = (0, 1); %s } );\nfields = ( %s );\n",
            motion, acting);
-  sd_model *m = model_of(deck.s);
-  free(deck.s);
+  sd_model *m = model_of_text(&deck);
   return begin_run(m, 1);
 }
 
 static void free_both(sd_simulation *s) {
   sd_model *m = (sd_model *)(uintptr_t)sd_simulation_model(s);
-  sd_simulation_free(s);
-  sd_model_free(m);
+  end_run(s, m);
 }
 
 /* The velocity in drag and in the Coriolis force is the corrected one of the clump: strong drag is stable, Coriolis forces do no
@@ -81,8 +79,7 @@ static void drag_acts_on_each_disk(void **unused) {
         "clumps = ( { disk = (0, 1); velocity = (3, -1); omega = 2; } );\n"
         "fields = ( { type = \"drag\"; gamma = %g; gamma_rotation = %g; } );\n",
         integrator ? "verlet" : "gear5", f, f_r);
-    sd_model *m = model_of(deck.s);
-    free(deck.s);
+    sd_model *m = model_of_text(&deck);
     sd_simulation *s = begin_run(m, 1);
     advance(s, 2000);
     const sd_state *q = sd_simulation_state(s);
@@ -94,8 +91,7 @@ static void drag_acts_on_each_disk(void **unused) {
     SYSTEM_NEAR(e.drag, 5 * M * (1 - slowed * slowed) + 2 * I * (1 - turned * turned), 1e-5,
                 "lost to drag");
     SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "energy");
-    sd_simulation_free(s);
-    sd_model_free(m);
+    end_run(s, m);
   }
 }
 
@@ -116,8 +112,7 @@ static void damping_acts_on_the_whole_clump(void **unused) {
         "clumps = ( { disk = (0, 1); velocity = (0, %g); torque = 3; } );\n"
         "fields = ( { type = \"damping\"; alpha = %g; alpha_rotation = 0.25; } );\n",
         integrator ? "verlet" : "gear5", up / steps, g, v0, alpha);
-    sd_model *m = model_of(deck.s);
-    free(deck.s);
+    sd_model *m = model_of_text(&deck);
     sd_simulation *s = begin_run(m, 1);
     advance(s, steps);
     SYSTEM_NEAR(sd_simulation_state(s)->clump_y[0], top, 1e-4 * top, "top of the flight");
@@ -131,8 +126,7 @@ static void damping_acts_on_the_whole_clump(void **unused) {
                  lost = alpha * M * g * (top + fall) + 0.25 * 3 * turned;
     SYSTEM_NEAR(e.damping, lost, 1e-4 * lost, "lost to damping");
     SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "energy");
-    sd_simulation_free(s);
-    sd_model_free(m);
+    end_run(s, m);
   }
 }
 

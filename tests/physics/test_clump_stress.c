@@ -11,8 +11,6 @@
 
 static const char *const component[] = {"xx", "xy", "yx", "yy"};
 
-/* --- what is measured ---------------------------------------------------------------------------------- */
-
 static resultants row_of(sd_simulation *s) {
   resultants r;
   const sd_model *m = sd_simulation_model(s);
@@ -54,8 +52,6 @@ static void all_say_the_same(sd_simulation *s, double small) {
   measurement_free(&m);
   resultants_free(&r);
 }
-
-/* --- two dimers in a periodic box ---------------------------------------------------------------------- */
 
 enum { WIDTH = 11, HEIGHT = 7 };
 static const double K = 1000, RADIUS = 1, D = 0.8, OVERLAP = 0.01, FORCE = 10,
@@ -195,8 +191,6 @@ static void a_given_mass_counts(void **unused) {
   system_end(s);
 }
 
-/* --- packings ------------------------------------------------------------------------------------------- */
-
 static const char *const pressed =
     "integrator = \"verlet\"; contact_variant = \"conservative\"; dt = 1e-3;\n"
     "materials = ( { name = \"g\"; k_n = 1e4; k_t = 5e3; restitution = 0.3; mu = %g; }, { name = "
@@ -227,8 +221,7 @@ static sd_simulation *press(const char *grains, double mu, bool walls, double si
 
 static void end(sd_simulation *s) {
   sd_model *m = (sd_model *)(uintptr_t)sd_simulation_model(s);
-  sd_simulation_free(s);
-  sd_model_free(m);
+  end_run(s, m);
 }
 
 /* Both walls across a direction feel the stress along it; without friction at the walls there is no force along them. */

@@ -1,4 +1,4 @@
-/* Clumps: free motion, closed forms of collision and rocking, one disk as a clump, prescribed coordinates, edges of a
+/* Clumps: free motion, closed forms of collision and rocking, prescribed coordinates, edges of a
  * periodic box, energy budgets. Fields: test_clump_fields.c. */
 #include "brief.h"
 #include "deck_runs.h"
@@ -40,8 +40,6 @@ static momenta momenta_of(sd_simulation *s) {
   }
   return p;
 }
-
-/* --- free motion --------------------------------------------------------------------------------------- */
 
 static void a_free_clump_keeps_its_momenta(void **unused) {
   for (int integrator = 0; integrator < 2; integrator++) {
@@ -103,8 +101,6 @@ static void a_collision_keeps_the_momenta(void **unused) {
   system_end(s);
 }
 
-/* --- closed forms -------------------------------------------------------------------------------------- */
-
 static size_t floor_at(sd_model *m, double y) {
   return system_straight(m, SD_WALL_LINE, 2, (const double[][2]){{-1, y}, {1, y}});
 }
@@ -164,59 +160,6 @@ static void a_tumbler_rocks(void **unused) {
   SYSTEM_NEAR(e.residual, 0, 1e-7 * e.scale, "energy");
   system_end(s);
 }
-
-/* --- one disk as a clump -------------------------------------------------------------------------------- */
-
-static sd_simulation *bouncing(int integrator, bool clump) {
-  const sd_contact_law law = {.k_n = 1e5, .k_t = 7e4, .gamma_n = 3, .mu = 0.4};
-  sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, 1e-5, law);
-  m->gravity[SD_Y] = -9.81;
-  for (uint32_t k = 0; k < 6; k++) {
-    const uint32_t i =
-        system_disk(m, 0.9 * (k % 3), 0.6 + 1.1 * (k / 3) + 0.01 * k, 0.5, 1 + 0.1 * k);
-    if (clump)
-      add_clump(m, 1, &i, 0.2, 0, 60.0 - 7 * k);
-    else
-      system_velocity(m, i, 0.2, 0, 60.0 - 7 * k);
-  }
-  system_circle(m, 0.9, 1, 2, true);
-  m->periodic[SD_Y] = true; /* not a small system */
-  m->lower[SD_Y] = -50;
-  m->upper[SD_Y] = 50;
-  return system_start(m);
-}
-
-/* To the bit: the same numbers are added and multiplied in the same order. */
-static void one_disk_as_a_clump_moves_as_the_disk(void **unused) {
-  static const char *const names[] = {"x",  "y",     "theta",   "turn",   "vx",
-                                      "vy", "omega", "force_x", "torque", "contact_zeta"};
-  for (int integrator = 0; integrator < 2; integrator++) {
-    sd_simulation *a = bouncing(integrator, false), *b = bouncing(integrator, true);
-    for (int k = 0; k < 100; k++) {
-      system_advance(a, 1000);
-      system_advance(b, 1000);
-      for (size_t c = 0; c < sizeof names / sizeof *names; c++) {
-        sd_column p, q;
-        assert_true(sd_simulation_column(a, names[c], &p) && sd_simulation_column(b, names[c], &q));
-        assert_int_equal(p.n, q.n);
-        if (memcmp(p.data, q.data, p.n * sizeof(double)) != 0)
-          fail_msg("%s, integrator %d, step %d", names[c], integrator, k);
-      }
-    }
-    const sd_energy e = sd_simulation_energy(a), f = sd_simulation_energy(b);
-    assert_true(e.friction > 0.1);
-    double turned = 0;
-    for (uint32_t i = 0; i < 6; i++) turned = fmax(turned, fabs(sd_simulation_angle(a, i)));
-    assert_true(turned > 4); /* angles have returned into their range */
-    SYSTEM_NEAR(f.kinetic_translation, e.kinetic_translation, 1e-13, "kinetic energy");
-    SYSTEM_NEAR(f.external, e.external, 1e-12, "potential");
-    SYSTEM_NEAR(f.viscous, e.viscous, 1e-12, "lost to viscosity"); /* also in the steps of touch */
-    system_end(a);
-    system_end(b);
-  }
-}
-
-/* --- periodic boxes -------------------------------------------------------------------------------------- */
 
 static sd_simulation *two_dimers(double shift) {
   const sd_contact_law law = {.k_n = 1e5, .k_t = 1e5, .gamma_n = 2, .mu = 0.3};
@@ -359,8 +302,6 @@ static void a_body_that_closes_around_the_box_is_refused(void **unused) {
     }
 }
 
-/* --- prescribed coordinates ------------------------------------------------------------------------------ */
-
 /* A rough plate with mass lies on three disks that stick to the floor, and is pulled along x at a given speed. */
 static void a_plate_is_dragged(void **unused) {
   const sd_contact_law law = {.k_n = 1e5, .k_t = 1e5, .gamma_n = 20, .mu = 0.3};
@@ -391,8 +332,6 @@ static void a_plate_is_dragged(void **unused) {
   system_end(s);
 }
 
-/* --- packings ------------------------------------------------------------------------------------------------ */
-
 static const char *const heap = "gravity = { g = 9.81; }; contact_variant = \"conservative\"; "
                                 "materials = ( { name = \"m\"; k_n = 2e4; k_t = 1e4; gamma_n = "
                                 "0.5; mu = 0.5; } ); container = { type = \"box\"; width = 1.5; "
@@ -404,9 +343,7 @@ static const char *const heap = "gravity = { g = 9.81; }; contact_variant = \"co
 static sd_model *heap_of(double dt, const char *more) {
   text t = {0};
   text_add(&t, "dt = %g; %s %s", dt, heap, more);
-  sd_model *m = model_of(t.s);
-  free(t.s);
-  return m;
+  return model_of_text(&t);
 }
 
 static void a_packing_closes_its_budget(void **unused) {
@@ -423,15 +360,13 @@ static void a_packing_closes_its_budget(void **unused) {
                   residual[k], e.friction / e.scale, sd_simulation_state(s)->n_contacts);
     assert_true(steps < 20000 ||
                 (e.friction > 0.01 * e.scale && sd_simulation_state(s)->n_contacts > 500));
-    sd_simulation_free(s);
-    sd_model_free(m);
+    end_run(s, m);
   }
   assert_true(steps < 20000 || (residual[1] < 1e-6 && residual[1] < 0.5 * residual[0]));
 }
 
 RUN_TESTS(TEST(a_free_clump_keeps_its_momenta), TEST(a_collision_keeps_the_momenta),
           TEST(one_end_falls_on_a_wall), TEST(a_tumbler_rocks),
-          TEST(one_disk_as_a_clump_moves_as_the_disk), TEST(edges_of_a_periodic_box_are_not_felt),
-          TEST(the_shape_does_not_depend_on_the_order),
+          TEST(edges_of_a_periodic_box_are_not_felt), TEST(the_shape_does_not_depend_on_the_order),
           TEST(a_body_that_closes_around_the_box_is_refused), TEST(a_plate_is_dragged),
           TEST(a_packing_closes_its_budget))

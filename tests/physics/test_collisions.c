@@ -125,8 +125,6 @@ static hit head_on(int kind, sd_integrator integrator, sd_variant variant, doubl
   return h;
 }
 
-/* --- restitution ------------------------------------------------------------------------------------- */
-
 static void restitution_over_a_grid_of_damping(void **unused) {
   static const double damping[] = {0, 0.01, 0.1, 0.3, 0.7, 0.95, 1, 1.05, 1.5, 3};
   double worst = 0, late = 0;
@@ -175,8 +173,6 @@ static void restitution_converges(void **unused) {
   }
 }
 
-/* --- Chung & Ooi 1-3: elastic and damped normal impact ----------------------------------------------- */
-
 /* Half a sine: F = v sqrt(k m) sin(w t), largest overlap v sqrt(m/k), duration pi sqrt(m/k). */
 static void tests_1_and_2_elastic_normal_impact(void **unused) {
   for (int kind = 0; kind < KINDS; kind++)
@@ -218,8 +214,6 @@ static void test_3_restitution_asked_for(void **unused) {
                   kind_names[kind]);
     }
 }
-
-/* --- an integration of one's own --------------------------------------------------------------------- */
 
 typedef struct planar {
   double x[6], v[6]; /* x, y, theta of both */
@@ -327,8 +321,6 @@ static void compare(const hit *h, const outcome *out, const outcome *expected, d
                 "%s, %s, %s: spin of the other", what, kind, integrator);
 }
 
-/* --- Chung & Ooi 4-6: oblique impact on a wall ------------------------------------------------------- */
-
 static hit oblique(int kind, int integrator, double e_damping) {
   hit h = head_on(kind, (sd_integrator)integrator, SD_CONSERVATIVE, 1e6, 1);
   h.law.k_t = 2.0 / 7.0 * h.law.k_n;
@@ -406,8 +398,6 @@ static void test_6_spinning_disk_on_a_wall(void **unused) {
         check_wall_hit(&h, 1e-4, "test 6");
       }
 }
-
-/* --- Chung & Ooi 7, 8: two disks; round walls --------------------------------------------------------- */
 
 static void test_7_two_equal_spinning_disks(void **unused) {
   for (int integrator = 0; integrator < 2; integrator++)

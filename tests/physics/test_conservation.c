@@ -3,8 +3,6 @@
 #include "brief.h"
 #include "system.h"
 
-/* --- the closed ratchet loop ------------------------------------------------------------------------- */
-
 enum { LOOP_STEPS = 200, LOOPS = BRIEF(3000, 30) };
 static const double loop_in = 2e-3, loop_turn = 0.03, loop_k_t = 1e4;
 
@@ -67,8 +65,6 @@ static void closed_ratchet_loop(void **unused) {
         system_end(s);
       }
 }
-
-/* --- a free pair ------------------------------------------------------------------------------------- */
 
 typedef struct totals {
   double energy, px, py, angular;
@@ -152,8 +148,6 @@ static void papers_variant_does_not(void **unused) {
     assert_true(fabs(d.torque) > 1e-4);
   }
 }
-
-/* --- energy budget ----------------------------------------------------------------------------------- */
 
 typedef sd_model *scene(sd_integrator integrator, sd_variant variant, double dt);
 

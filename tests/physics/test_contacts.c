@@ -136,8 +136,6 @@ static void ten_thousand_radians_against_a_support(void **unused) {
   }
 }
 
-/* --- beginning, opening, freedom --------------------------------------------------------------------- */
-
 /* A spinning disk is pressed on a wall and lifted, again and again: the stretch is that since the moment of touch, at
  * which 0.001 + 0.01 sin(20 t) = 0. */
 static void new_contact_starts_at_the_moment_of_touch(void **unused) {
@@ -222,8 +220,6 @@ static void skin_is_free_where_nothing_presses(void **unused) {
     system_end(s);
   }
 }
-
-/* --- materials --------------------------------------------------------------------------------------- */
 
 /* Disks of three materials hit fixed ones of each, all in one system: restitution, largest overlap, skin and
  * friction tell k_n, gamma_n, k_t and mu of the pair apart. */

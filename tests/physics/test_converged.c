@@ -17,8 +17,6 @@ static gsl_rng *generator;
 
 static double normal(double deviation) { return gsl_ran_gaussian_ziggurat(generator, deviation); }
 
-/* --- processes of mean zero ------------------------------------------------------------------------------ */
-
 typedef struct process {
   const char *name;
   void (*add)(size_t n, double a, double b);
@@ -157,8 +155,6 @@ static void records_called_converged_are_covered(void **unused) {
   between((double)all.within / all.n, 0.66, 0.71, "all, within one");
   between((double)all.two / all.n, 0.93, 0.97, "all, within two");
 }
-
-/* --- three disks ----------------------------------------------------------------------------------------- */
 
 /* The upper disk over a measured time. At weak vibration it sticks most of the time, and its rate is
  * nearly all elastic noise: the bars of 1.5 time units are 2 to 2.5 times too large. */

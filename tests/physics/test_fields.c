@@ -40,8 +40,6 @@ static int64_t steps_in(double time, double dt) { return (int64_t)nearbyint(time
   for (sd_integrator integrator = SD_GEAR5; integrator <= SD_VERLET;                               \
        integrator = (sd_integrator)(integrator + 1))
 
-/* --- drag ---------------------------------------------------------------------------------------------- */
-
 /* v e^(-f t/m), omega e^(-f_r t/I); what is lost is the kinetic energy. */
 static void drag_decays(sd_field_per per, double rate, double turn_rate) {
   BOTH(integrator) {
@@ -145,8 +143,6 @@ static void a_vortex_throws_disks_out(void **unused) {
   }
 }
 
-/* --- central forces ------------------------------------------------------------------------------------ */
-
 static void a_spring_gives_ellipses(void **unused) {
   BOTH(integrator) {
     const double w = 2, dt = M_PI / 4000; /* 4000 steps a period */
@@ -218,8 +214,6 @@ static void every_power_has_its_potential(void **unused) {
     }
 }
 
-/* --- rotating frames ----------------------------------------------------------------------------------- */
-
 /* Seen from the laboratory z_lab = e^(i omega t) z: a free disk goes straight. */
 static void a_free_disk_is_straight_in_the_laboratory(void **unused) {
   BOTH(integrator) {
@@ -290,8 +284,6 @@ static void a_bead_on_a_rail(void **unused) {
     system_end(s);
   }
 }
-
-/* --- non-viscous damping ------------------------------------------------------------------------------- */
 
 /* Outwards the spring brakes with 1 + alpha, inwards it pulls with 1 - alpha: each half cycle takes
  * pi/(2 w) (1/sqrt(1 - alpha) + 1/sqrt(1 + alpha)) and leaves (1 - alpha)/(1 + alpha) of the energy. */

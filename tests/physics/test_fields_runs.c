@@ -43,9 +43,7 @@ static sd_model *packing(int n, int wide, const char *integrator) {
       "{ disk = 4; coordinate = \"x\"; type = \"harmonic\"; amplitude = 1e-3; frequency = 50; } "
       ");\n%s",
       width, width, every_kind);
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 /* The residual of a packing with every field: small, and of second order with Verlet. */
@@ -61,12 +59,9 @@ static void the_budget_closes(void **unused) {
         integrators[c], e.residual / e.scale, e.work, e.drag, e.damping, e.viscous);
     assert_true(e.drag > 1e-3 && e.damping > 1e-4);
     between(fabs(e.residual / e.scale), 0, c ? 3e-6 : 3e-5, "residual");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
 }
-
-/* --- groups and phases ----------------------------------------------------------------------------------- */
 
 static void fields_act_on_groups_in_phases(void **unused) {
   sd_model *model = model_of(
@@ -87,11 +82,8 @@ static void fields_act_on_groups_in_phases(void **unused) {
   const sd_energy e = sd_simulation_energy(sim);
   between(e.drag, 1.5 * (1 - exp(-4)) - 1e-2, 1.5 * (1 - exp(-4)) + 1e-2, "drag");
   between(fabs(e.residual), 0, 1e-5, "residual, where fields go on and off");
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
 }
-
-/* --- disks that come and go, a program's field beside the model's ------------------------------------------ */
 
 static void lift(const sd_force_columns *c, void *user) {
   (void)user;
@@ -125,8 +117,7 @@ static void disks_come_and_go(void **unused) {
     assert_true(sd_simulation_state(sim)->loss_drag[sd_simulation_slot(sim, first + 1)] > 0);
     between(fabs(sd_simulation_energy(sim).residual / sd_simulation_energy(sim).scale), 0, 1e-3,
             "residual");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
 }
 
@@ -146,8 +137,7 @@ static void rain_and_compression(void **unused) {
                 e.residual / e.scale, e.drag, e.damping);
   between(fabs(e.residual / e.scale), 0, 1e-5, "residual of rain");
   assert_true(e.drag > 0 && e.damping > 0);
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
   model = model_of(
       "dt = 2e-5; integrator = \"verlet\"; " MATERIAL
       "container = { type = \"periodic\"; width = 1; height = 1; };\n"
@@ -160,11 +150,8 @@ static void rain_and_compression(void **unused) {
   print_message("  compressed: residual %.2g of the scale; work %.3g, drag %.3g\n",
                 c.residual / c.scale, c.work, c.drag);
   between(fabs(c.residual / c.scale), 0, 1e-5, "residual of a compression");
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
 }
-
-/* --- mistakes and warnings --------------------------------------------------------------------------------- */
 
 static void told(const char *fields_text, const char *expected) {
   text t = {0};

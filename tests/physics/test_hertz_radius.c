@@ -3,8 +3,6 @@
  * that rolls onto an arc, changes of a running simulation. */
 #include "laws.h"
 
-/* --- bodies that a disk falls on -------------------------------------------------------------- */
-
 enum { DISK, FIXED, LINE, SEGMENT, ROUND, HOLLOW, HILL, BOWL, SHAPES };
 static const char *const shapes[] = {"disk",  "fixed disk", "line", "segment",
                                      "round", "hollow",     "hill", "bowl"};
@@ -83,8 +81,6 @@ static bool is_possible(const impact *q) {
   return q->ra > 0 && !(hollow && q->rb <= q->ra) && !(flat && q->rb != q->ra);
 }
 
-/* --- closed forms ----------------------------------------------------------------------------- */
-
 static const double modulus = 1e5, nu = 0.3;
 
 /* Duration 2 (5 m/4 k)^(2/5) v^(-1/5) I, I = sqrt(pi) Gamma(7/5)/Gamma(9/10) (2.94 (5 m/4
@@ -125,8 +121,6 @@ static void elastic_impacts(void **unused) {
                 worst[0], worst[1], worst[2]);
   assert_true(n > 60);
 }
-
-/* --- the same as by k_n and k_t --------------------------------------------------------------- */
 
 /* The restitution and everything that refers to k_n and k_t: a law by modulus moves the bodies
  * as the law with the stiffnesses of this pair does, and has the same energies. */
@@ -208,8 +202,6 @@ static void two_ways(void **unused) {
   }
 }
 
-/* --- joints ----------------------------------------------------------------------------------- */
-
 /* A disk on a floor that continues in a bowl, a quarter of a circle: it rolls up and comes back.
  * R_eff, and with it the energy, changes where the floor ends; the budget closes with the square
  * of the step, and the disk comes back with the speed that the losses leave. */
@@ -260,8 +252,6 @@ static void joints(void **unused) {
     }
 }
 
-/* --- a running simulation --------------------------------------------------------------------- */
-
 static double get(sd_simulation *s, const char *name) { return sd_simulation_get(s, name, 0); }
 
 static void set(sd_simulation *s, const char *name, double value, const char *refused) {
@@ -308,12 +298,9 @@ static void steering(void **unused) {
     set(s, "law.E_star", 0, "material");
     set(s, "law.poisson", 0.6, "expected at most 0.5");
     set(s, "law.poisson", -1, "expected a number > 0");
-    sd_simulation_free(s);
-    sd_model_free(first);
+    end_run(s, first);
   }
 }
-
-/* --- laws from C ------------------------------------------------------------------------------ */
 
 static void from_c(void **unused) {
   static const struct {

@@ -25,8 +25,6 @@ static void head(text *t, double dt, int integrator, const law *l, const char *m
   text_add(t, " );\n");
 }
 
-/* --- force against distance ------------------------------------------------------------------------------ */
-
 /* A held disk, or disk and wall; the other comes, touches by 1e-3, goes beyond every range, and comes again to a gap of a
  * quarter of the range. */
 static void force_against_distance(void **unused) {
@@ -126,8 +124,6 @@ static void rest_of_a_pair(void **unused) {
     system_end(s);
   }
 }
-
-/* --- impacts --------------------------------------------------------------------------------------------- */
 
 static hit head_on(double speed, double gap, double dt, sd_integrator integrator) {
   hit h = {.radius = {0.5, 0.4},
@@ -249,8 +245,6 @@ static void against_the_reference(void **unused) {
         system_end(s);
       }
 }
-
-/* --- friction -------------------------------------------------------------------------------------------- */
 
 /* A sledge on a tilted floor: friction bears mu (W cos + pull_off), and it hangs from a ceiling as well. */
 static void friction_under_attraction(void **unused) {

@@ -4,8 +4,6 @@
 #include "brief.h"
 #include "laws.h"
 
-/* --- laws and decks by seed ------------------------------------------------------------------------------ */
-
 static const double mass = 4.5e-3, mean_radius = 0.02;
 
 static bool heads(uint64_t *seed) { return next_bits(seed) >> 63; }
@@ -111,16 +109,10 @@ static sd_model *packing(uint64_t seed, double dt, const char *integrator) {
     text_add(&t, ") }");
   }
   text_add(&t, " );\n");
-  sd_model *m = model_of(t.s);
-  free(t.s);
-  return m;
+  return model_of_text(&t);
 }
 
-/* --- bits ------------------------------------------------------------------------------------------------ */
-
 enum { SEEDS = BRIEF(12, 3), STEPS = 2500 };
-
-/* --- energy ---------------------------------------------------------------------------------------------- */
 
 static void budget_closes(void **unused) {
   enum { LEVELS = 3 };
@@ -139,8 +131,7 @@ static void budget_closes(void **unused) {
       total.rolling += e.rolling, total.bridge += e.bridge, total.viscous += e.viscous,
           total.friction += e.friction;
       total.elastic_rolling += e.elastic_rolling, total.cohesion += e.cohesion;
-      sd_simulation_free(s);
-      sd_model_free(m);
+      end_run(s, m);
     }
   for (int k = 0; k < LEVELS; k++)
     print_message("dt %.2e: residual/scale typically %.1e, at most %.1e\n", 5e-6 / (1 << k),

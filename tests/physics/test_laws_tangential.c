@@ -13,8 +13,6 @@ static void head(text *t, double dt, int integrator) {
            dt, system_integrators[integrator]);
 }
 
-/* --- dashpot --------------------------------------------------------------------------------------------- */
-
 /* Tangential oscillation of a disk on a floor and of a pair whose centres are held: exp(-b t) cos(w t) and so on. */
 static void dashpot(void **unused) {
   for (int pair = 0; pair < 2; pair++)
@@ -63,8 +61,6 @@ static void dashpot(void **unused) {
         system_end(s);
       }
 }
-
-/* --- oblique impacts ------------------------------------------------------------------------------------- */
 
 static const struct {
   const char *name;
@@ -170,8 +166,6 @@ static void rebound(void **unused) {
   }
 }
 
-/* --- Mindlin's stiffness --------------------------------------------------------------------------------- */
-
 /* Disk 0, whose centre is held and that does not turn in the end (its inertia is huge), feels disk 1 come and go. Returns the energy
  * stored tangentially at the end. turns: swings of the angle to one of the overlap. */
 static double driven_cycle(bool mindlin, int turns, double periods, double dt, double *lost) {
@@ -225,8 +219,6 @@ static void closed_cycles(void **unused) {
     SYSTEM_NEAR(lost, 0, 1e-12 * peak, "nothing is lost");
   }
 }
-
-/* --- static and kinetic friction ------------------------------------------------------------------------- */
 
 static const double stop_k = 1e3;
 

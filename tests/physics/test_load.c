@@ -11,15 +11,12 @@ static const char *const integrators[] = {"gear5", "verlet"};
 static sd_model *model_with(const char *integrator, double dt, const char *rest) {
   text t = {0};
   text_add(&t, "integrator = \"%s\"; dt = %.17g;\n%s", integrator, dt, rest);
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 static void end(sd_simulation *sim) {
   sd_model *model = (sd_model *)(uintptr_t)sd_simulation_model(sim);
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
 }
 
 typedef struct wall_now {
@@ -37,8 +34,6 @@ static wall_now wall_of(sd_simulation *sim, const char *name) {
   fail();
   return (wall_now){0};
 }
-
-/* --- loads ------------------------------------------------------------------------------------------- */
 
 #define FLOOR_AND_LID                                                                              \
   "walls = ( { name = \"floor\"; type = \"line\"; points = ((-1, 0), (1, 0)); },"                  \
@@ -147,8 +142,6 @@ static void a_lid_oscillates_as_theory_says(void **unused) {
     }
 }
 
-/* --- energy ------------------------------------------------------------------------------------------ */
-
 /* A lid falls on a bed of disks and bounces; residual of the energy budget over its scale. */
 static double bouncing_residual(const char *integrator, double dt, double *scale) {
   text t = {0};
@@ -196,8 +189,6 @@ static void the_energy_budget_closes(void **unused) {
     between(residual[0] / residual[2], 3, 1e9, "fall of the residual");
   }
 }
-
-/* --- servos ------------------------------------------------------------------------------------------ */
 
 /* A lid on one disk, and one beside it that pushes along itself: the friction on a floor gives way at mu N. */
 static void a_servo_reaches_its_force(void **unused) {
@@ -292,8 +283,6 @@ static void four_walls_hold_a_pressure(void **unused) {
   }
 }
 
-/* --- bits -------------------------------------------------------------------------------------------- */
-
 /* Few disks and round walls: the step for few disks knows no such walls. */
 static void a_round_load_among_few_disks(void **unused) {
   sd_model *m = model_with(
@@ -318,8 +307,6 @@ static void a_round_load_among_few_disks(void **unused) {
   between(wall_of(sim, "ball").y, 0.5 - 1e-5, 0.5 + 1e-5, "height after the bounce");
   end(sim);
 }
-
-/* --- decks ------------------------------------------------------------------------------------------- */
 
 #define SHAKEN                                                                                     \
   "dt = 1e-5; steps = 10; materials = ( { name = \"m\"; k_n = 1e4; } );\n"                         \

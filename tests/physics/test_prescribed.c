@@ -45,8 +45,7 @@ static outcome run(const char *deck, const char *integrator) {
       o.normal = fabs(state->force_y[i]);
       o.tangential = fabs(state->force_x[i]);
     }
-  sd_simulation_free(s);
-  sd_model_free(m);
+  end_run(s, m);
   return o;
 }
 

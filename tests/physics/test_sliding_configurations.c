@@ -34,8 +34,6 @@ static void advance(run *r, int64_t n) {
 
 static const sd_state *state_of(const run *r) { return sd_simulation_state(r->simulation); }
 
-/* --- steady rotation ----------------------------------------------------------------------------------------- */
-
 /* All time in one configuration: torque and forces of eqs. 15 to 18, which do not fluctuate. */
 static void steady_rotation(void **unused) {
   static const char *const velocity[2] = {"-1", "1"};
@@ -67,8 +65,6 @@ static void steady_rotation(void **unused) {
     end(&r);
   }
 }
-
-/* --- against sums over every step ---------------------------------------------------------------------------- */
 
 typedef struct sums {
   int64_t n, visits;
@@ -194,8 +190,6 @@ static void every_step_counts(void **unused) {
   overrides[4] = "motions[*].amplitude=3e-3";
   assert_true(brute_force(overrides, 5, phases, false) >> OPEN & 1u);
 }
-
-/* --- angular momentum ---------------------------------------------------------------------------------------- */
 
 /* The torques of all configurations, with their times, turn the disk. */
 static void torques_turn_the_disk(void **unused) {

@@ -87,8 +87,6 @@ static void wedge_is_refused(void **unused) {
   sd_messages_free(m);
 }
 
-/* --- periodic solutions -------------------------------------------------------------------------------- */
-
 static void sync_parabola_is_exact(void **unused) {
   const double amplitudes[] = {1e-3, 4e-3, 1e-2, 4e-2, 1e-1, 10};
   for (size_t k = 0; k < sizeof amplitudes / sizeof *amplitudes; k++)
@@ -390,8 +388,6 @@ static void solution_is_consistent_and_symmetric(void **unused) {
       }
 }
 
-/* --- collisions ------------------------------------------------------------------------------------------ */
-
 /* Kick-drift-kick would do for no damping; with it, classical Runge-Kutta to the cutoff. */
 static sd_collision collided(double k, double gamma, double m) {
   double x = 0, v = 1, t = 0, h = 2e-5 / (sqrt(k / m) + gamma / m);
@@ -448,8 +444,6 @@ static void sliding_collisions_and_rolling(void **unused) {
   near(speed, 2, 1e-14, "2 u/3");
   near(time, 3 / (3 * mu * 10), 1e-14, "u/(3 mu g)");
 }
-
-/* --- vibration ------------------------------------------------------------------------------------------- */
 
 typedef struct spectrum {
   double w, c;

@@ -5,8 +5,6 @@
  */
 #include "validation.h"
 
-/* --- random vibration (52) ----------------------------------------------------------------------------- */
-
 static void tilt_and_random_vibration_turn_the_disk(void **unused) {
   vibrated right = vibrate(0.04, 1e-5, 60, 1, ""), left = vibrate(-0.04, 1e-5, 60, 1, "");
   print_message("tilt 0.04 pi: Omega %.3g +- %.2g, tilt -0.04 pi: %.3g +- %.2g\n",
@@ -34,8 +32,6 @@ static void without_tilt_nothing_turns(void **unused) {
   assert_true(fabs(level.rotation.omega) < 2 * level.rotation.error);
   assert_true(level.rotation.error < 6e-5); /* a sixth of what a tilt of 0.04 pi does */
 }
-
-/* --- supports that turn steadily: (15) to (18) --------------------------------------------------------- */
 
 static const int signs[4][2] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}};
 
@@ -67,8 +63,6 @@ static void steady_supports_bring_the_tep_torques(void **unused) {
       trial_end(&run);
     }
 }
-
-/* --- supports that turn to and fro --------------------------------------------------------------------- */
 
 static void report(const char *name, const turned *t, const drive *d) {
   double unit = d->amplitude * d->w * M_PI;
@@ -129,8 +123,6 @@ static void opposite_within_two_per_cent_in_the_limit(void **unused) {
   within("opposite, parabola, slow and strong", &d, 0.02);
 }
 
-/* --- the same by other means ------------------------------------------------------------------------------ */
-
 /* The upper disk of the paper's deck, parabolic waveform, written down as in the paper: arctangents, lambda*
  * moved by (36), velocity Verlet with forces at predicted velocities. Returns the mean over the last period. */
 static double written_down(const drive *d, double start) {
@@ -190,8 +182,6 @@ static void papers_parameters_agree_with_the_model_written_down(void **unused) {
   }
 }
 
-/* --- no rotation ----------------------------------------------------------------------------------------- */
-
 /* A spin given at the start dies away: the supports' surfaces pull it to rest from either side. */
 static void frozen_centre_does_not_turn(void **unused) {
   double last[2];
@@ -242,8 +232,6 @@ static void weak_drive_does_not_turn(void **unused) {
   assert_true(trial_slide(&run).stick == 1);
   trial_end(&run);
 }
-
-/* --- elasto-plastic oscillator --------------------------------------------------------------------------- */
 
 /* Mean velocity of the block over 50 periods; force along the wall. */
 static double drift(double force) {

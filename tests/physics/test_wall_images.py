@@ -153,10 +153,6 @@ phases = ( {{ steps = 4000; frames = 100; series = 1; }} ); measure = {{ walls =
                     found += mine.sum()
         self.assertGreater(found, 3)
 
-    def test_threads(self):
-        text = deck("polyline", "turning", (0.5, 0.5))
-        results_common.assert_same(self, self.make(text, "a.h5", "--threads", 1), self.make(text, "b.h5", "--threads", 3))
-
     def test_a_floor_that_meets_its_image(self):
         """A segment as long as the box, a polyline that ends on the image of its start, segments that meet across the edge: a line."""
         text = """box = { x = (0, 1); periodic = "x"; }; dt = 1e-4; integrator = "verlet"; gravity = { g = 10; };

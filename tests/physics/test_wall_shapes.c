@@ -57,8 +57,6 @@ static void shake_all(sd_model *m, int coordinate, double amplitude, double omeg
   }
 }
 
-/* --- round walls ------------------------------------------------------------------------------------------ */
-
 enum { CIRCLE, RING, HALVES, FOUR, ROUND_SHAPES };
 static const char *const round_shapes[] = {"circle", "ring", "two arcs", "four arcs"};
 
@@ -121,8 +119,6 @@ static void test_round_walls(void **unused) {
       }
 }
 
-/* --- straight walls --------------------------------------------------------------------------------------- */
-
 enum { LINE, SEGMENT, TWO, AGAINST, FIVE, POLYLINE, STRAIGHT_SHAPES };
 static const char *const straight_shapes[] = {
     "line", "segment", "two segments", "segments of opposite ways", "five segments", "polyline"};
@@ -170,8 +166,6 @@ static void test_straight_walls(void **unused) {
       for (int shape = 0; shape < STRAIGHT_SHAPES; shape++) system_end(s[shape]);
     }
 }
-
-/* --- corners and rests ------------------------------------------------------------------------------------ */
 
 /* Over a convex corner, into a concave one: a polyline, and segments in any order and way. */
 static void test_corners(void **unused) {

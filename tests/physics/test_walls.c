@@ -7,8 +7,6 @@
 
 enum { MOST_CORNERS = 8, TABLE = 2000 };
 
-/* --- a path at a constant distance around a convex wall ---------------------------------------------- */
-
 typedef struct round_trip {
   size_t n;
   double corner[MOST_CORNERS][2]; /* of the wall; a segment is passed on both sides */
@@ -97,8 +95,6 @@ static void lead(sd_model *m, const round_trip *trip, double d) {
     }
   }
 }
-
-/* --- the test's own lambda --------------------------------------------------------------------------- */
 
 typedef struct follower {
   double arc, angle, side;
@@ -253,8 +249,6 @@ static void disk_led_around_both_ends_of_a_segment(void **unused) {
   go_round(&trip, SD_GEAR5, "segment that moves and turns about a far pivot");
 }
 
-/* --- concave corners --------------------------------------------------------------------------------- */
-
 /* A smooth disk in a groove of slopes a (left) and b (right): forces m g sin b/sin(a + b), m g sin a/sin(a + b). */
 static void groove_has_two_contacts(void **unused) {
   for (int way = 0; way < 2; way++)
@@ -284,8 +278,6 @@ static void groove_has_two_contacts(void **unused) {
       system_end(s);
     }
 }
-
-/* --- joints that do not bend -------------------------------------------------------------------------- */
 
 static const sd_contact_law joint_laws[] = {{.k_n = 1e4},
                                             {.k_n = 1e4, .k_t = 7e3, .mu = 0.3},
@@ -345,8 +337,6 @@ static void joints_on_the_way_are_not_felt(void **unused) {
     system_end(s[1]);
   }
 }
-
-/* --- sliding and rolling ----------------------------------------------------------------------------- */
 
 typedef struct slide_case {
   double angle, speed, belt; /* of the wall's direction; of the disk; of the wall along itself */
@@ -456,8 +446,6 @@ static void disk_goes_down_a_slope(void **unused) {
     }
 }
 
-/* --- drum -------------------------------------------------------------------------------------------- */
-
 /* A disk that cannot turn is carried up to the angle of friction; there it slides. */
 static void drum_drags_a_disk_to_the_angle_of_friction(void **unused) {
   for (int variant = 0; variant < 2; variant++)
@@ -505,8 +493,6 @@ static void disk_rolls_in_a_turning_drum(void **unused) {
   SYSTEM_NEAR(system_touch(s, 0, 1).stretch, 0, 1e-12, "nothing stretched");
   system_end(s);
 }
-
-/* --- walls that cannot be ---------------------------------------------------------------------------- */
 
 static void expect(sd_model *m, const char *error) {
   m->phases = calloc(1, sizeof *m->phases);

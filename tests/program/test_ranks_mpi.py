@@ -65,26 +65,6 @@ class Ranks(Folder):
         for ranks in some((1, 2, 3, 4, 7), (2, 7)):
             self.same("laws", ranks, threads=2)
 
-    def test_images_of_walls(self):
-        for ranks in some((2, 4), (4,)):
-            self.same("images", ranks)
-
-    def test_channel(self):
-        for ranks in some((2, 3, 4), (3,)):
-            self.same("channel", ranks)
-
-    def test_shear(self):
-        for ranks in some((2, 3, 4), (2,)):
-            self.same("shear", ranks)
-
-    def test_laws(self):
-        for ranks in some((2, 3), (3,)):
-            self.same("laws", ranks)
-
-    def test_pressed(self):
-        for ranks in some((2, 4), (2,)):
-            self.same("pressed", ranks)
-
     def test_slam(self):
         for ranks in some((2, 3), (3,)):
             self.same("slam", ranks)
@@ -104,31 +84,16 @@ class Ranks(Folder):
 
     def test_rain(self):
         for ranks in some((2, 3), (3,)):
-            self.same("rain", ranks)
             self.same("showers", ranks)
             self.same("lost drop", ranks)
             self.same("last drop", ranks)
 
     def test_bounds(self):
         """Disks that cross them and come back, and some that stay outside."""
-        for ranks in some((2, 3), (2,)):
-            self.same("bounds", ranks)
-            self.same("gone", ranks)
         for ranks in some((2, 3, 7), (3,)):
             self.same("slide", ranks)
         for ranks in some((2, 4), (4,)):
             self.same("leave", ranks, threads=2)
-
-    def test_phases(self):
-        for ranks in some((2, 3, 4), (4,)):
-            self.same("phases", ranks)
-
-    def test_sums(self):
-        """Series of all that is summed up over disks and contacts."""
-        for ranks in some((2, 3, 5), (5,)):
-            self.same("sums", ranks)
-        for ranks in some((2, 4), (2,)):
-            self.same("periodic", ranks)
 
     def test_tiles(self):
         """Disks that each rank makes itself, wherever it is cut to be."""

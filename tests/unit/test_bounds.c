@@ -67,8 +67,7 @@ static void told_of(void **unused) {
   assert_memory_equal(s->theta, o->theta, s->n_free * sizeof(double));
   sd_messages_free(messages);
   sd_simulation_free(sim);
-  sd_simulation_free(other);
-  sd_model_free(m);
+  end_run(other, m);
   sd_model_free(free_fall);
 }
 
@@ -86,8 +85,7 @@ static void reason_to_stop(void **unused) {
       snprintf(name, sizeof name, "step %lld: disk %u left", (long long)s->step, s->id[i]);
   assert_non_null(strstr(last_text(messages), name));
   sd_messages_free(messages);
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
 
 static void taken_out(void **unused) {
@@ -114,8 +112,7 @@ static void taken_out(void **unused) {
   print_message("  %lld taken out, residual %.2g of %.3g\n", (long long)removed,
                 energy.residual / energy.scale, energy.scale);
   sd_messages_free(messages);
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
 
 /* A ball that is thrown up leaves, comes back, and is in play as before. */
@@ -135,8 +132,7 @@ static void comes_back(void **unused) {
   assert_int_equal(outside_count(sd_simulation_state(sim)), 0);
   assert_int_equal(sd_messages_count(messages), 1);
   sd_messages_free(messages);
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
 
 static void without_limits_of_its_own(void **unused) {
@@ -154,9 +150,7 @@ static const char plain[] = "dt = 1e-4; steps = 10; materials = ( { name = \"a\"
 static sd_model *plain_model(const char *more) {
   text t = {0};
   text_add(&t, "%s%s", plain, more);
-  sd_model *m = model_of(t.s);
-  free(t.s);
-  return m;
+  return model_of_text(&t);
 }
 
 static void nothing_can_be_lost(void **unused) {

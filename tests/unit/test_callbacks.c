@@ -36,8 +36,6 @@ static sd_simulation *made(const sd_model *m, int threads) {
 
 static uint64_t hash(sd_simulation *sim) { return sd_state_hash(sd_simulation_state(sim)); }
 
-/* --- all functions ------------------------------------------------------------------------------------ */
-
 static sd_status looks(sd_simulation *sim, void *user) {
   return sim || user ? SD_OK : SD_ERROR_USER;
 }
@@ -255,8 +253,6 @@ static void one_that_is_freed_in_a_callback(void **unused) {
   sd_model_free(m);
 }
 
-/* --- threads and processes ----------------------------------------------------------------------------- */
-
 static void *in_thread(void *with) {
   call_all(with, 0, "another thread");
   return NULL;
@@ -337,8 +333,6 @@ static void a_fork_within_a_force_field(void **unused) {
   sd_simulation_free(plain);
   sd_model_free(m);
 }
-
-/* --- arguments ----------------------------------------------------------------------------------------- */
 
 /* They would feel nothing of each other. */
 static void two_disks_in_one_place(void **unused) {
@@ -425,8 +419,6 @@ static void disks_that_cannot_be(void **unused) {
   sd_simulation_free(sim);
   sd_model_free(m);
 }
-
-/* --- random calls -------------------------------------------------------------------------------------- */
 
 /* Philox is not needed here: a linear congruence (Knuth's MMIX) gives the trials. */
 static uint64_t seed;

@@ -16,8 +16,6 @@
 #define SCRATCH_NAME "checkpoint"
 #include "scratch_file.h"
 
-/* --- through a file ------------------------------------------------------------------------------- */
-
 static void write_state(sd_simulation *simulation, sd_messages *messages) {
   const sd_model *model = sd_simulation_model(simulation);
   const sd_state *state = sd_simulation_state(simulation);
@@ -57,8 +55,6 @@ static void test_reading_is_free(void **unused) {
   sd_model_free(model);
   sd_messages_free(messages);
 }
-
-/* --- damage --------------------------------------------------------------------------------------- */
 
 static void test_damage_is_found(void **unused) {
   sd_messages *messages = sd_messages_new();
@@ -132,8 +128,6 @@ static void test_errors_are_told_once(void **unused) {
   assert_int_equal(file_write_atomic("/dev/null/x", "x", 1, messages), SD_ERROR_IO);
   sd_messages_free(messages);
 }
-
-/* --- round trips of the small things --------------------------------------------------------------- */
 
 static void test_h5_round_trip(void **unused) {
   sd_messages *messages = sd_messages_new();

@@ -80,8 +80,6 @@ static bool fair(int64_t n, int least) {
   return true;
 }
 
-/* --- ranks ---------------------------------------------------------------------------------------- */
-
 static void ranks_know_each_other(void **unused) {
   agree(comm_size(comm_world()) == expected_size,
         "the number of ranks is not that of the command line");
@@ -116,8 +114,6 @@ static void the_first_ranks_data_reach_all(void **unused) {
     agree(right, "comm_broadcast: other data than those of rank 0");
   }
 }
-
-/* --- tasks ---------------------------------------------------------------------------------------- */
 
 /* One queue after the other without a pause: a word that belongs to one must not reach the next. */
 static void every_task_is_given_once(void **unused) {
@@ -196,8 +192,6 @@ static void ranks_may_go_early(void **unused) {
     agree(book->by[early] <= 2, "a rank that had gone was given a task");
   }
 }
-
-/* --- stops ---------------------------------------------------------------------------------------- */
 
 static void on_alarm(int number) {
   (void)number;
@@ -284,8 +278,6 @@ static void a_stop_while_waiting_for_an_answer(void **unused) {
   }
 }
 
-/* --- waits ---------------------------------------------------------------------------------------- */
-
 /* One rank works for a while, the others have nothing to do: they use next to no processor time. */
 static void waits_sleep(void **unused) {
   const double lasts = 0.5, most = 0.1;
@@ -302,8 +294,6 @@ static void waits_sleep(void **unused) {
     agree(cpu_time() - began < most, "a wait takes processor time");
   }
 }
-
-/* --- main ----------------------------------------------------------------------------------------- */
 
 /* Environment of a launcher whose processes do not find each other. */
 static void refused_when_launched_apart(void) {

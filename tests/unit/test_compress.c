@@ -6,8 +6,6 @@
 #include "pack/compress.h"
 #include "physics/step/access.h"
 
-/* --- decks ------------------------------------------------------------------------------------------- */
-
 typedef struct request {
   const char *integrator;
   double dt, mu, gamma_n, spread; /* spread: of random velocities */
@@ -62,13 +60,6 @@ static sd_model *model_with(const request *r, const char *phases) {
   begin_deck(&t, r);
   return end_deck(&t, phases);
 }
-
-static void end_run(sd_simulation *sim, sd_model *m) {
-  sd_simulation_free(sim);
-  sd_model_free(m);
-}
-
-/* --- targets ----------------------------------------------------------------------------------------- */
 
 /* Up and down again; the last change lands on the target. */
 static void test_fraction(void **unused) {
@@ -181,8 +172,6 @@ static void test_pressure_on_walls(void **unused) {
   end_run(sim, m);
 }
 
-/* --- one change -------------------------------------------------------------------------------------- */
-
 /* Of the two states in which both contacts are closed, and the same. */
 static size_t compare_stretches(const sd_state *a, const sd_state *b, double *most,
                                 double *largest) {
@@ -240,8 +229,6 @@ static void test_one_change(void **unused) {
   }
 }
 
-/* --- energy ------------------------------------------------------------------------------------------ */
-
 /* The residual is the integrator's: it falls with the square of dt. */
 static void test_energy(void **unused) {
   double residual[2];
@@ -266,8 +253,6 @@ static void test_energy(void **unused) {
   assert_true(residual[0] < 2e-5);
   assert_true(residual[1] < 0.4 * residual[0]);
 }
-
-/* --- mistakes ---------------------------------------------------------------------------------------- */
 
 static void refused(const char *more, const char *phases, const char *expected) {
   text t = {0};

@@ -10,8 +10,6 @@
 
 static const sd_contact_law LAW = {.k_n = 1000.0, .k_t = 500.0, .gamma_n = 1.0, .mu = 0.3};
 
-/* --- frames by hand ----------------------------------------------------------------------------------- */
-
 /* A frame of the model's own start. */
 static configuration at_start(const sd_model *m) {
   frame_data f;
@@ -58,8 +56,6 @@ static void periodic(sd_model *m, double x, double y, double width, double heigh
     m->upper[k] = m->region_upper[k] = low[k] + size[k];
   }
 }
-
-/* --- lattices ----------------------------------------------------------------------------------------- */
 
 enum { COLUMNS = 12, ROWS = 14 };
 
@@ -158,8 +154,6 @@ static void test_part_of_lattice(void **state) {
   sd_model_free(m);
 }
 
-/* --- walls -------------------------------------------------------------------------------------------- */
-
 static void test_disk_between_walls(void **state) {
   const double overlap = 1e-3, radius = 0.5, half = radius - overlap, width = 3.0;
   sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, LAW);
@@ -240,8 +234,6 @@ static void test_cells_in_drum(void **state) {
   configuration_free(&c);
   sd_model_free(m);
 }
-
-/* --- radical cells ------------------------------------------------------------------------------------ */
 
 static sd_model *scattered(int n, double width, double height, uint64_t seed) {
   sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, LAW);
@@ -338,8 +330,6 @@ static void test_flat_cells(void **state) {
   }
 }
 
-/* --- g(r) --------------------------------------------------------------------------------------------- */
-
 /* Points without correlation: g = 1, also near the edges of an open window. */
 static void test_ideal_pairs(void **state) {
   for (int open = 0; open < 2; open++) {
@@ -360,8 +350,6 @@ static void test_ideal_pairs(void **state) {
     sd_model_free(m);
   }
 }
-
-/* --- rattlers ----------------------------------------------------------------------------------------- */
 
 /* A chain that hangs on a ring of disks: its end is a rattler, and then the next. */
 static void test_rattlers(void **state) {
@@ -390,8 +378,6 @@ static void test_rattlers(void **state) {
     sd_model_free(m);
   }
 }
-
-/* --- areas -------------------------------------------------------------------------------------------- */
 
 static void test_cut_disks(void **state) {
   region g = {.lower = {0, 0}, .upper = {10, 10}};

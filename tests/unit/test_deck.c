@@ -244,8 +244,6 @@ static void test_overrides(void **state) {
   assert_int_equal(sd_messages_errors(messages), 4);
 }
 
-/* --- files -------------------------------------------------------------------------------------------------- */
-
 static char folder[] = "/tmp/slipdisk-deck-XXXXXX";
 
 static const char *write_file(const char *name, const char *text) {
@@ -320,8 +318,6 @@ static void test_files(void **state) {
   sd_model_free(again);
   sd_model_free(m);
 }
-
-/* --- the decks that ship --------------------------------------------------------------------------------------- */
 
 static void without_marks(char *text) {
   for (char *mark; (mark = strstr(text, "  # default"));)

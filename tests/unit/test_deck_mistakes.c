@@ -479,8 +479,6 @@ static void files_of_lammps(void **unused) {
   assert_int_equal(wrong_files, 0);
 }
 
-/* --- values under the names of other programs ---------------------------------------------------- */
-
 static void words_of_others(void **unused) {
 #define OTHER_MOTION(type)                                                                         \
   START DISK "motions = ( { disk = 0; coordinate = \"x\"; type = \"" type                          \
@@ -521,8 +519,6 @@ static void words_of_others(void **unused) {
   };
   TRY(list);
 }
-
-/* --- as after -D -------------------------------------------------------------------------------------- */
 
 static void settings(void **unused) {
   static const struct {

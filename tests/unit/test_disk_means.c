@@ -30,11 +30,8 @@ static sd_simulation *run_of(const char *deck, sd_disk_mean *means, sd_disk_tota
 
 static void end_of(sd_simulation *sim) {
   sd_model *m = (sd_model *)(uintptr_t)sd_simulation_model(sim);
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
-
-/* --- known answers ----------------------------------------------------------------------------------------- */
 
 /* Disks that fly and spin without touching: everything is known; what happens between the measured phases is left
  * out of angles, and positions are absolute. */
@@ -155,8 +152,6 @@ static void bounces(void **unused) {
   end_of(sim);
 }
 
-/* --- packings ---------------------------------------------------------------------------------------------- */
-
 /* Shaken and turned by a cup; one disk is driven along x only, one is fixed and spins, one rolls below the cup in a
  * drum that turns. Measured after a rest of `rest` steps, from the start when that is 0. */
 static void packing(text *t, const char *integrator, double dt, int disks, int64_t rest,
@@ -227,8 +222,7 @@ static void looks_equal_a_recount(void **unused) {
   for (int gear = 0; gear < 2; gear++) {
     text deck = {0};
     packing(&deck, gear ? "gear5" : "verlet", 2e-5, 53, 700, 2500, 3);
-    sd_model *m = model_of(deck.s);
-    free(deck.s);
+    sd_model *m = model_of_text(&deck);
     sd_simulation *sim = begin_run(m, 1);
     advance(sim, 700);
     const sd_state *s = sd_simulation_state(sim);
@@ -293,8 +287,7 @@ static void powers_sum_up(void **unused) {
 static void looks_change_nothing(void **unused) {
   text deck = {0};
   packing(&deck, "verlet", 2e-5, 150, 300, 3000, 7);
-  sd_model *m = model_of(deck.s);
-  free(deck.s);
+  sd_model *m = model_of_text(&deck);
   sd_simulation *whole = begin_run(m, 1);
   advance(whole, 2900);
   assert_true(sd_simulation_state(whole)->mean_samples == 2600 / 7);
@@ -327,8 +320,6 @@ static void disks_out_of_play(void **unused) {
   end_of(sim);
 }
 
-/* --- error bars -------------------------------------------------------------------------------------------- */
-
 /* An angle whose velocity is Omega + an Ornstein-Uhlenbeck process of the given correlation time, in bins: exact
  * steps (Gillespie, Phys. Rev. E 54, 2084 (1996)). */
 static void angle_record(gsl_rng *random, double tau, double omega, double *bin) {
@@ -354,8 +345,7 @@ static void error_bars_cover(void **unused) {
                   "disk_rows = ( { columns = (\"x\"); y = 0; radius = 0.1; mass = 1; rows = (");
   for (int i = 0; i < DISKS; i++) text_add(&deck, "%s(%d.0)", i ? ", " : "", i);
   text_add(&deck, "); } ); steps = 10000; measure = { disks = true; rotation = (); };\n");
-  sd_model *m = model_of(deck.s);
-  free(deck.s);
+  sd_model *m = model_of_text(&deck);
   gsl_rng *random = gsl_rng_alloc(gsl_rng_mt19937);
   for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
     sd_state *s = sd_state_new(m);

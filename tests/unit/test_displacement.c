@@ -10,8 +10,6 @@
 
 static const sd_contact_law law = {.k_n = 1e3, .k_t = 1e3, .gamma_n = 1, .mu = 0.1};
 
-/* --- falling disks: v = g n dt beyond limit R/dt first for n > limit R/(g dt^2) ----------------------------- */
-
 enum { FALLING = 40, SMALLEST = 17, FIRST = 61 };
 
 static sd_model *falling(sd_integrator integrator) {
@@ -70,8 +68,6 @@ static void at_the_start(void **unused) {
     system_end(s);
   }
 }
-
-/* --- three disks: the general step, a lane, lanes side by side --------------------------------------------- */
 
 enum { MEMBERS = 5, STEPS = 2000 };
 
@@ -132,8 +128,6 @@ static void forms_of_the_step(void **unused) {
     assert_true(latest > 10); /* not all of them at the first step */
   }
 }
-
-/* --- the summary ------------------------------------------------------------------------------------------- */
 
 static size_t doubts_of(const sd_model *m, const sd_state *state, sd_energy energy,
                         summary *found) {

@@ -109,8 +109,6 @@ static void test_integers(void **state) {
                          "it is 3.5; expected a whole number >= 1, such as round(...)"));
 }
 
-/* --- mistakes ------------------------------------------------------------------------------------------------ */
-
 /* One message, which holds these words. */
 static void bad(const char *more, const char *setting, const char *words) {
   sd_model *m = with(more, setting);
@@ -169,8 +167,6 @@ static void test_constants(void **state) {
   bad("constants = { a = \"1/0\"; b = \"a\"; };", "skin=\"a + b\"",
       "constants.a = \"1/0\": division by zero");
 }
-
-/* --- -D, the echo, sweeps -------------------------------------------------------------------------------------- */
 
 static const char deck[] =
     "constants = { R = 0.02; g = 9.81; A = \"0.7 * g\"; };\n"
@@ -263,8 +259,6 @@ static void test_sweep(void **state) {
   deck_sweep_free(&s);
   remove(path);
 }
-
-/* --- hostile texts --------------------------------------------------------------------------------------------- */
 
 static void test_hostile(void **state) {
   enum { LONG = BRIEF(300000, 30000) };

@@ -20,8 +20,6 @@ static void near_to(double value, double expected, double tolerance, const char 
   fail();
 }
 
-/* --- sizes ---------------------------------------------------------------------------------------------- */
-
 /* Density before the cut, up to a factor. */
 static double density_at(double r, const sizes *s) {
   switch (s->kind) {
@@ -169,8 +167,6 @@ static void test_seeds(void **state) {
       assert_true(first[a][0] != first[b][0] && first[a][1] != first[b][1]);
 }
 
-/* --- geometry ------------------------------------------------------------------------------------------ */
-
 /* An empty model, with a periodic box from 0 to `box` where that is > 0. */
 static sd_model model_of(double box_x, double box_y) {
   return (sd_model){.periodic = {box_x > 0, box_y > 0}, .upper = {box_x, box_y}};
@@ -267,8 +263,6 @@ static void test_jitter(void **state) {
   near_to(sum / moved / (0.15 * 0.15), 0.5, 4 * sqrt(1 / 12.0 / moved), "mean square displacement");
   lattice(&full, SD_PACKING_TRIANGULAR, 10, 10, 1, 1, p, MOST);
 }
-
-/* --- random and front -------------------------------------------------------------------------------------- */
 
 enum { N = 2400 };
 static double radius[N], position[N][2];
@@ -386,8 +380,6 @@ static void test_front_of_equal_disks(void **state) {
     near_to(row, rint(row), 1e-9, "row of the lattice");
   }
 }
-
-/* --- around obstacles, in hoppers and drums ---------------------------------------------------------------- */
 
 static void test_obstacles(void **state) {
   const double lower[2] = {0, 0}, upper[2] = {20, 20};

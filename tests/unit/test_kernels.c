@@ -16,8 +16,6 @@
 enum { PATHS = 3 };
 static const char *const path_names[PATHS] = {"baseline", "avx2", "avx512"};
 
-/* --- Philox ------------------------------------------------------------------------------------------ */
-
 /* One draw from Random123's own generator: counter = (block low, block high, stream, purpose), key = seed. */
 static void reference_draw(uint64_t seed, uint32_t stream, uint32_t purpose, uint64_t index,
                            double *a, double *b) {
@@ -101,8 +99,6 @@ static void normals_are_box_and_mullers(void **unused) {
   between(largest, sqrt(2 * log(0x1p33)) - 1e-8, sqrt(2 * log(0x1p33)) + 1e-8, "largest radius");
 }
 
-/* --- elementary functions ---------------------------------------------------------------------------- */
-
 static double ulps(double value, long double exact) {
   double e = fabs((double)exact);
   double unit = e < 0x1p-1000 ? 0x1p-1052 : nextafter(e, HUGE_VAL) - e;
@@ -152,8 +148,6 @@ static void sine_and_cosine_are_accurate(void **unused) {
   free(s);
   free(c);
 }
-
-/* --- quality of the normal numbers ------------------------------------------------------------------- */
 
 enum { DRAWS = 1 << 20 };
 static double first[DRAWS + 8], second[DRAWS + 8];
@@ -296,8 +290,6 @@ static void streams_are_independent(void **unused) {
           "z of chi2 of the correlations between streams");
   between(worst, 0, 4.6, "largest correlation between streams, z");
 }
-
-/* --- all paths, the same bits ------------------------------------------------------------------------ */
 
 static void oscillators_do_not_depend_on_the_path(void **unused) {
   static oscillators start, g;

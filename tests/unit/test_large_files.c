@@ -110,8 +110,6 @@ static void test_slow_frames(void **unused) {
   sd_messages_free(messages);
 }
 
-/* --- memory ------------------------------------------------------------------------------------------------- */
-
 enum { LARGE = 16 << 20 }; /* doubles: 128 MiB */
 
 /* Most memory of a process that does this, in MiB. */
@@ -183,8 +181,6 @@ static void test_memory(void **unused) {
   assert_int_equal(h5_open_sealed(-1, path, &opened, NULL, NULL), SD_OK);
   h5_close(opened, NULL);
 }
-
-/* --- seals of finished files -------------------------------------------------------------------------------- */
 
 static void write_result(size_t n, bool whole, sd_status wanted) {
   sd_messages *messages = sd_messages_new();

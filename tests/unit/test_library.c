@@ -82,8 +82,6 @@ static void end(sd_simulation *sim, sd_model *model) {
   sd_model_free(model);
 }
 
-/* --- building --------------------------------------------------------------------------------------- */
-
 static void a_built_model_is_that_of_the_deck(void **state) {
   static const char deck[] =
       "integrator = \"verlet\"; dt = 1e-3; seed = 7; time = 2.0; gravity = { g = 10.0; };"
@@ -182,8 +180,6 @@ static void all_mistakes_are_told_at_once(void **state) {
   sd_model_free(m);
 }
 
-/* --- reading ---------------------------------------------------------------------------------------- */
-
 static void columns_stand_in_place(void **state) {
   sd_model *m = heap(8, "gear5");
   sd_simulation *sim = begin(m, 1);
@@ -205,8 +201,6 @@ static void columns_stand_in_place(void **state) {
   assert_int_equal(n, sd_field_count);
   end(sim, m);
 }
-
-/* --- observers -------------------------------------------------------------------------------------- */
 
 typedef struct notes {
   size_t n;
@@ -239,8 +233,6 @@ static void observers_come_at_their_steps_and_change_nothing(void **state) {
   sd_simulation_free(seen);
   end(plain, m);
 }
-
-/* --- force fields ----------------------------------------------------------------------------------- */
 
 /* Weight 10 and a linear drag: closed form for a disk that falls. */
 static const double DRAG = 3.0;
@@ -354,8 +346,6 @@ static void a_field_of_no_force_changes_no_bit(void **state) {
   sd_simulation_free(field);
   end(plain, m);
 }
-
-/* --- disks that come and go ------------------------------------------------------------------------- */
 
 static double value_of(const sd_measurement *m, const char *name) {
   const sd_quantity *q = sd_measurement_find(m, name);

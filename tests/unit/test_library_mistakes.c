@@ -35,8 +35,6 @@ static void end(sd_simulation *sim, sd_model *m) {
   sd_model_free(m);
 }
 
-/* --- building --------------------------------------------------------------------------------------- */
-
 static void no_array(sd_model *m) { sd_model_add_wall(m, &(sd_wall){.name = "w", .n_points = 2}); }
 static void no_bodies(sd_model *m) {
   sd_model_add_motion(m, &(sd_motion){.name = "q", .n_bodies = 1});
@@ -147,8 +145,6 @@ static void a_model_that_was_changed_is_finished_again(void **state) {
   sd_messages_free(messages);
   end(sim, m);
 }
-
-/* --- running ---------------------------------------------------------------------------------------- */
 
 static sd_status look(sd_simulation *sim, void *user) {
   (void)sim, (void)user;

@@ -72,12 +72,8 @@ static sd_model *deck(int d, int integrator) {
            "true; } );\n",
            integrator ? "verlet" : "gear5");
   decks[d](&t);
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
-
-/* --- what is moved ------------------------------------------------------------------------------------- */
 
 enum { STEPS = 1, TURNS = 2, IMAGES = 4 };
 
@@ -155,8 +151,7 @@ static void go_on_there(int d, int integrator, const shift *by, int threads) {
   sd_state_free(a);
   sd_state_free(b);
   sd_simulation_free(plain);
-  sd_simulation_free(other);
-  sd_model_free(model);
+  end_run(other, model);
 }
 
 /* In the part of the run that is compared disks cross the box, and return into their range of angles with closed contacts. */
@@ -178,8 +173,7 @@ static void the_decks_are_lively(void **unused) {
     if (d == 0) assert_true(turned == 1 && before->n_contacts == 2 && after->n_contacts == 2);
     if (d == 2) assert_true(turned > 5 && crossed > 5);
     sd_state_free(before);
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
 }
 
@@ -212,8 +206,6 @@ static void images_near_the_end_of_32_bits(void **unused) {
       go_on_there(2, integrator, &by, 1);
     }
 }
-
-/* --- signals long after their beginning ------------------------------------------------------------------ */
 
 static const double DT = 1e-6, OMEGA = 62.831853071795864, PHASE = 0.3;
 
@@ -300,8 +292,6 @@ static void a_support_turns_on(void **unused) {
   sd_model_free(model);
 }
 
-/* --- records ------------------------------------------------------------------------------------------- */
-
 /* Bins of 2^40 steps are full soon, then neighbours become one, and the mean is what it was. */
 static void bins_of_1e12_steps(void **unused) {
   sd_model *model = deck(0, 0);
@@ -328,8 +318,7 @@ static void bins_of_1e12_steps(void **unused) {
   double omega = each / ((double)length * 5e-6);
   between(sd_rotation_of(model, now, 0).omega / omega, 1 - 1e-9, 1 + 1e-9,
           "mean angular velocity over the record's");
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
 }
 
 RUN_TESTS(TEST(the_decks_are_lively), TEST(steps_beyond_all_limits),

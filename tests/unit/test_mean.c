@@ -262,8 +262,6 @@ static void slow_transients_are_covered(void **unused) {
   gsl_rng_free(random);
 }
 
-/* --- from a state ---------------------------------------------------------------------------------------- */
-
 static void rotation_of_a_state(void **unused) {
   sd_disk disks[2] = {{.radius = 2}, {.radius = 0.5}};
   uint32_t watched[2] = {1, 0};

@@ -24,9 +24,7 @@ static sd_model *driven(double theta, const char *moves, const char *phases) {
                "{ name = \"ring\"; type = \"circle\"; center = (0, 0); radius = 900; side = "
                "\"inside\"; } );\n");
   text_add(&t, "motions = ( %s );\n %s\n", moves, phases);
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 static value measured(const sd_state *s, size_t i, int c) {
@@ -54,11 +52,8 @@ static void compare(const char *name, const char *moves, int coordinate, double 
   print_message("  %-34s relative errors: u %.2g, u' %.2g\n", name, worst_u, worst_v);
   between(worst_u, 0, bound, name);
   between(worst_v, 0, bound, name);
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
 }
-
-/* --- kinds ------------------------------------------------------------------------------------------- */
 
 #define W 62.8L
 #define A 0.125L
@@ -170,12 +165,9 @@ static void velocity_is_the_derivative(void **unused) {
                      : 6 * 34,
             "steps next to knots");
     between(jump, 0, 0.05, "change of u' in one step");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
 }
-
-/* --- tables ------------------------------------------------------------------------------------------ */
 
 enum { KNOTS = 6 };
 static const double knot_t[KNOTS] = {0.1, 0.35, 0.5, 0.9, 1.0, 1.4},
@@ -241,13 +233,10 @@ static void periodic_tables_repeat(void **unused) {
       v[k % steps] = s->vx[0];
     }
     between(worst, 0, 1e-9, "difference between two periods of a table");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
     free(t.s);
   }
 }
-
-/* --- many turns -------------------------------------------------------------------------------------- */
 
 static void angles_stay_exact_beyond_1e4_rad(void **unused) {
   const double rates[] = {987.654321, -1234.5678};
@@ -275,13 +264,10 @@ static void angles_stay_exact_beyond_1e4_rad(void **unused) {
     assert_true(most > 3e4);
     between(range, 0, 4.5, "range of theta");
     between(worst, 0, 2e-15, "error of the angle");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
     free(t.s);
   }
 }
-
-/* --- phases ------------------------------------------------------------------------------------------ */
 
 /* On, off, on again: it stays where it was, and begins anew from there. Another motion goes on all the time. */
 static void phases_switch_motions(void **unused) {
@@ -324,8 +310,7 @@ static void phases_switch_motions(void **unused) {
       before = at;
     }
     assert_true(sd_simulation_finished(sim));
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
     free(t.s);
   }
 }
@@ -351,12 +336,9 @@ static void motions_go_on_over_phases(void **unused) {
   }
   assert_true(sd_simulation_finished(b));
   sd_simulation_free(a);
-  sd_simulation_free(b);
-  sd_model_free(one);
+  end_run(b, one);
   sd_model_free(many);
 }
-
-/* --- free in some coordinates, prescribed or locked in others ------------------------------------------- */
 
 static sd_model *three_free(const char *integrator, const char *first, const char *moves) {
   text t = {0};
@@ -366,9 +348,7 @@ static sd_model *three_free(const char *integrator, const char *first, const cha
   text_add(&t, "disks = ( { name = \"wheel\"; radius = 0.5; mass = 2; %s } );\n", first);
   text_add(&t, "walls = ( { name = \"floor\"; type = \"line\"; points = ((0, 0), (1, 0)); } );\n");
   text_add(&t, "motions = ( %s ); steps = 100000;\n", moves);
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 /* Theta is driven: the centre falls freely, then is dragged along the floor with mu g until it rolls. */
@@ -384,8 +364,7 @@ static void a_driven_wheel_pulls_itself_along(void **unused) {
     between(s->x[0], 0.5 - 1e-12, 0.5 + 1e-12, "x of a falling wheel");
     between(s->y[0], 5 - 1.25 - 1e-11, 5 - 1.25 + 1e-11, "y of a falling wheel");
     between(s->theta[0] + s->turn[0], 2 - 1e-14, 2 + 1e-14, "angle of a falling wheel");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
 
     model = three_free(names[k], "x = 0; y = 0.498;", spin); /* 2 k_n overlap: in equilibrium */
     sim = begin_run(model, 1);
@@ -402,8 +381,7 @@ static void a_driven_wheel_pulls_itself_along(void **unused) {
     between(s->theta[0] + s->turn[0], 9.6 - 1e-13, 9.6 + 1e-13, "angle of the wheel");
     sd_energy energy = sd_simulation_energy(sim);
     between(energy.residual / energy.scale, -2e-4, 2e-4, "energy residual/scale of the wheel");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
 }
 
@@ -419,8 +397,7 @@ static void locks_and_forces_hold(void **unused) {
     between(s->y[0], 5 - 1e-11, 5 + 1e-11, "y with a force against gravity");
     between(s->theta[0] + s->turn[0], 1 - 1e-12, 1 + 1e-12, "angle under a torque");
     between(s->omega[0], 2 - 1e-12, 2 + 1e-12, "angular velocity under a torque");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
 
     model = three_free(names[k], "x = 0.3; y = 0.49; vx = 2; locked = [\"y\", \"theta\"];", "");
     sim = begin_run(model, 1);
@@ -432,12 +409,9 @@ static void locks_and_forces_hold(void **unused) {
            v = 2 * cos(w * yield) - 15 * (0.1 - yield);
     assert_true(s->y[0] == 0.49 && s->theta[0] == 0.0 && s->omega[0] == 0.0);
     between(s->vx[0], v - 2e-4, v + 2e-4, "speed of a locked disk that slides");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
 }
-
-/* --- walls in a periodic box ------------------------------------------------------------------------------ */
 
 /* A disk rides on a floor that passes the edge of the box again and again: nothing happens to it. */
 static void a_floor_may_leave_its_periodic_box(void **unused) {
@@ -472,13 +446,10 @@ static void a_floor_may_leave_its_periodic_box(void **unused) {
     assert_true(abs(engine_of(sim)->state->image_x[1]) >= 2);
     between(torque, 0, 1e-8, "largest torque on a disk that rides along"); /* k_t times rounding */
     between(speed, 0, 1e-9, "largest change of speed of a disk that rides along");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
     free(t.s);
   }
 }
-
-/* --- elasto-plastic oscillator ---------------------------------------------------------------------------- */
 
 /* x of the block of a deck that ships, at the end of every period of the shaking from the first one on. */
 static void oscillate(const char *path, size_t n, const char *const *overrides, int periods,
@@ -491,8 +462,7 @@ static void oscillate(const char *path, size_t n, const char *const *overrides, 
     x[k] = engine_of(sim)->state->x[0];
     advance(sim, 10000);
   }
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
 }
 
 #define EPO SLIPDISK_SOURCE_DIR "/inputs/epo/"

@@ -49,8 +49,7 @@ static sd_model *scattered(int n, double w, double h, double spread, int periodi
         "{ type = \"circle\"; center = (0.2, 2.4); radius = 0.45; side = \"outside\"; }");
   if (walls && spread > 10.0) add_long_walls(&t, w, h);
   if (walls) text_add(&t, " );\n");
-  sd_model *m = model_of(t.s);
-  free(t.s);
+  sd_model *m = model_of_text(&t);
   m->max_overlap = 1e9;
   m->periodic[0] = periodic & 1;
   m->periodic[1] = periodic >> 1;
@@ -144,8 +143,7 @@ static void lists_equal_brute_force(void **unused) {
                                 100 + (uint64_t)c);
     sd_simulation *sim = begin_run(model, 1);
     total += check_lists(sim);
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
   print_message("  %zu pairs\n", total);
   assert_true(total > 10000);
@@ -167,8 +165,7 @@ static void lists_of_all_sizes_equal_brute_force(void **unused) {
     }
     sd_simulation *sim = begin_run(model, 1);
     total += check_lists(sim);
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
   print_message("  %zu pairs\n", total);
   assert_true(total > 10000);
@@ -214,8 +211,7 @@ static void rebuilds_carry_the_memory(void **unused) {
       assert_memory_equal(key_before, key_after, n * sizeof *key_before);
       if (k % 10 == 0) check_lists(sim);
     }
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
 }
 
@@ -241,8 +237,7 @@ static void no_contact_is_missed_between_builds(void **unused) {
         }
     }
     assert_true(e->work.builds > 10);
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
 }
 
@@ -268,8 +263,7 @@ static uint64_t jump(double skin, bool gear, int64_t *builds, double *dropped) {
       "{ wall = (\"c\", \"d\"); coordinate = \"y\"; type = \"velocity\"; velocity = -30000; } );\n"
       "phases = ( { steps = 5; motions = []; }, { steps = 5; } );\n",
       gear ? "gear5" : "verlet", skin);
-  sd_model *model = model_of(t.s);
-  free(t.s);
+  sd_model *model = model_of_text(&t);
   sd_simulation *sim = begin_run(model, 1);
   advance(sim, 5);
   assert_int_equal(sd_simulation_state(sim)->n_contacts, 4);
@@ -278,8 +272,7 @@ static uint64_t jump(double skin, bool gear, int64_t *builds, double *dropped) {
   assert_int_equal(sd_simulation_state(sim)->n_contacts, 0);
   *builds = engine_of(sim)->work.builds;
   *dropped = sd_simulation_energy(sim).opening;
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
   return hash;
 }
 

@@ -32,9 +32,7 @@ static sd_model *heap(int stride, bool periodic, const char *integrator) {
                "phases = ( { steps = 400; }, { steps = 300; measure = true; }, { steps = 300; "
                "measure = true; } );\n"
                "measure = { rotation = (7, 100); disks = true; };\n");
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 static void neighbours_stand_side_by_side(void **unused) {
@@ -55,8 +53,7 @@ static void neighbours_stand_side_by_side(void **unused) {
     assert_true(n > 1000);
     /* strips of some HIGH disks; folded ones have a strip of the other end between them */
     assert_true(span <= (periodic ? 4 : 2) * (HIGH + 8));
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
 }
 
@@ -80,13 +77,10 @@ static void numbers_are_names(void **unused) {
         assert_true(a->mean_bin[i * SD_MEAN_BINS + bin] == b->mean_bin[j * SD_MEAN_BINS + bin]);
     }
     sd_simulation_free(one);
-    sd_simulation_free(two);
-    sd_model_free(plain);
+    end_run(two, plain);
     sd_model_free(mixed);
   }
 }
-
-/* --- disks of all sizes --------------------------------------------------------------------------------- */
 
 /* Radii over a decade and a half, and one disk as large as forty, on a shaken floor of many segments. */
 static sd_model *mixture(const char *integrator) {
@@ -110,9 +104,7 @@ static sd_model *mixture(const char *integrator) {
                "\"harmonic\"; amplitude = 0.01; "
                "frequency = 0.7; } );\n"
                "phases = ( { steps = 400; }, { steps = 300; }, { steps = 300; } );\n");
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 /* Slots go by size, each size by place: those of the largest disks are the last. */
@@ -127,8 +119,7 @@ static void large_disks_stand_last(void **unused) {
   }
   assert_true(s->radius[s->n_free - 1] == 40.0 || s->radius[s->n_free - 1] > 10.0);
   assert_true(s->radius[0] < 40.0 / 16.0);
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
 }
 
 RUN_TESTS(TEST(neighbours_stand_side_by_side), TEST(numbers_are_names),

@@ -39,8 +39,6 @@ static void check_region(const sd_model *m, double x0, double x1, double y0, dou
   if (py) assert_true(m->lower[1] == m->region_lower[1] && m->upper[1] == m->region_upper[1]);
 }
 
-/* --- containers ------------------------------------------------------------------------------------------- */
-
 static void test_box(void **state) {
   sd_model *m =
       good(HEAD ONE
@@ -137,8 +135,6 @@ static void test_container_material(void **state) {
   sd_model_free(m);
   sd_model_free(good(TWO PERIODIC));
 }
-
-/* --- packings --------------------------------------------------------------------------------------------- */
 
 /* Every pair of disks that are in play, and every straight or round wall: no overlap beyond rounding. */
 static void check_clear(const sd_model *m) {
@@ -297,8 +293,6 @@ static void test_rain(void **state) {
   sd_model_free(m);
 }
 
-/* --- seeds and echo --------------------------------------------------------------------------------------- */
-
 static bool same_disks(const sd_model *a, const sd_model *b) {
   if (a->n_disks != b->n_disks) return false;
   for (size_t i = 0; i < a->n_disks; i++) {
@@ -383,8 +377,6 @@ static void test_overrides(void **state) {
   sd_model_free(m);
 }
 
-/* --- containers ------------------------------------------------------------------------------------------- */
-
 #define CONTAINER(keys) HEAD ONE "container = { " keys " };\n"
 
 static void test_container_mistakes(void **state) {
@@ -429,8 +421,6 @@ static void test_container_mistakes(void **state) {
           "container.type = \"bed\": its floor is the group \"floor\", but the deck has disks in "
           "this group");
 }
-
-/* --- packings --------------------------------------------------------------------------------------------- */
 
 #define PACKING(keys) "packings = ( { " keys " } );\n"
 #define RANDOM(keys) HEAD BOX PACKING("type = \"random\"; count = 9; density = 1; " keys)

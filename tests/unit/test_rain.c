@@ -26,8 +26,7 @@ static sd_model *rain_model(const char *lid, const char *phase) {
     text_add(&t, "%s(%g, %g, %.6f)", k ? ", " : "", 0.1, 10 + 0.1 * k,
              0.012 + 0.012 * next_uniform(&seed));
   text_add(&t, "); } );\nphases = ( { %s } ); measure = { rotation = (); };", phase);
-  sd_model *m = model_of(t.s);
-  free(t.s);
+  sd_model *m = model_of_text(&t);
   m->rains = calloc(1, sizeof *m->rains);
   assert_non_null(m->rains);
   m->n_rains = 1;
@@ -141,8 +140,7 @@ static void falls_until_it_is_at_rest(void **unused) {
   print_message("  at rest after %lld steps, top %.3f, overlap %.2g, residual %.2g of %.3g\n",
                 (long long)s->step, top, largest_overlap(s), energy.residual / energy.scale,
                 energy.scale);
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
 
 /* What waits has no weight and no place. */
@@ -159,8 +157,7 @@ static void waiting_disks_are_not_there(void **unused) {
   sd_energy energy = sd_simulation_energy(sim);
   double weight = 9.81 * (m->disks[0].mass + m->disks[2].mass);
   between(energy.external, 0, weight, "potential energy of two disks below y = 1");
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
 
 static void another_seed_is_another_packing(void **unused) {
@@ -192,8 +189,7 @@ static void a_lid_is_in_the_way(void **unused) {
     if (!strstr(told, "has no room") || !strstr(told, "wall \"lid\" is in the way"))
       fail_msg("%s", told);
     sd_messages_free(messages);
-    sd_simulation_free(sim);
-    sd_model_free(m);
+    end_run(sim, m);
   }
 }
 
@@ -217,8 +213,7 @@ static void periodic_strip(void **unused) {
   assert_int_equal(sd_simulation_state(sim)->released, 4 * BATCH + 4 * (DISKS > 4 * BATCH));
   sd_energy energy = sd_simulation_energy(sim);
   between(energy.residual, -1e-3 * energy.scale, 1e-3 * energy.scale, "residual");
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
 
 static void refused(sd_model *m, const char *why) {

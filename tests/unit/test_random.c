@@ -5,8 +5,6 @@
 #include "physics/motion/signals.h"
 #include "slipdisk/theory.h"
 
-/* --- one step ---------------------------------------------------------------------------------------- */
-
 typedef struct exact_step {
   long double p[2][2];    /* propagator */
   long double uu, vu, vv; /* covariance */
@@ -115,8 +113,6 @@ static void a_step_keeps_the_stationary_law(void **unused) {
   }
 }
 
-/* --- runs -------------------------------------------------------------------------------------------- */
-
 enum { SIDE = 8 }; /* of a square of disks */
 
 /* n driven disks in a row, x, y and theta random; with company: free disks after them, a wall that moves at
@@ -152,9 +148,7 @@ static sd_model *shaken(int n, double omega, double damping, double dt, int inte
     text_add(&t, ", { disk = [0, 1]; coordinate = \"x\"; type = \"velocity\"; velocity = 0; },\n"
                  "{ disk = 1; coordinate = \"y\"; type = \"random\"; amplitude = 0; omega = 3; }");
   text_add(&t, ");\nsteps = 100000000;\n");
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 enum { STREAMS = 3 * SIDE, LAGS = 6, RING = 128 };
@@ -239,8 +233,7 @@ static void covariance_is_that_of_the_theory(void **unused) {
     print_message("  c = %g: chi2/n of the correlations between 276 pairs of streams: %.3f\n",
                   dampings[d], sum);
     between(sum, 0.6, 1.5, "chi2/n of the correlations between streams");
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
   print_message("  chi2/n of %d covariances: %.3f\n", terms, chi2 / terms);
   between(chi2 / terms, 0.4, 2.0, "chi2/n of the covariances");
@@ -275,12 +268,9 @@ static void vibration_is_stationary_from_the_first_step(void **unused) {
       between(xv / n / sqrt(1 / n), -4.2, 4.2, "z of <x x'> early on");
       between((vv / n - 1) / sqrt(2 / n), -4.2, 4.2, "z of <x'^2> early on");
     }
-    sd_simulation_free(sim);
-    sd_model_free(model);
+    end_run(sim, model);
   }
 }
-
-/* --- draws at longer intervals ------------------------------------------------------------------------ */
 
 /* interval m at dt, and interval 1 at m dt: the same at the multiples; with m dt exact, to the bit. */
 static void intervals_are_exact_at_their_multiples(void **unused) {
@@ -297,8 +287,7 @@ static void intervals_are_exact_at_their_multiples(void **unused) {
       assert_memory_equal(s->omega, t->omega, 3 * sizeof(double));
     }
     sd_simulation_free(a);
-    sd_simulation_free(b);
-    sd_model_free(fine);
+    end_run(b, fine);
     sd_model_free(coarse);
   }
 }
@@ -336,8 +325,7 @@ static void between_draws_the_velocity_is_the_derivative(void **unused) {
   between(inside, 0, 2e-17, "u and u' of one cubic");
   between(bend, 0, acceleration * dt * dt * dt / h, "defect of the trapezoid");
   between(jump, 0, acceleration * dt, "change of the velocity in a step");
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
 }
 
 /* Variance half way between draws: of the cubic through both, from the theory's covariances. */
@@ -374,11 +362,8 @@ static void longer_intervals_converge(void **unused) {
   print_message("  variance half way, w h = 2: %.4f, theory %.4f\n", sum / n, expected);
   between((sum / n / expected - 1) / sqrt(2.05 / n), -4, 4, "z of the variance half way");
   assert_true(fabs(expected - 1) > 10 * sqrt(2.05 / n)); /* else this tells nothing */
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
 }
-
-/* --- whose numbers ------------------------------------------------------------------------------------ */
 
 static void numbers_belong_to_body_and_coordinate(void **unused) {
   sd_model *plain = shaken(5, 20, 0.5, 1e-3, 3, false), *other = shaken(5, 20, 0.5, 1e-3, 3, true);
@@ -396,8 +381,7 @@ static void numbers_belong_to_body_and_coordinate(void **unused) {
     }
   }
   sd_simulation_free(a);
-  sd_simulation_free(b);
-  sd_model_free(plain);
+  end_run(b, plain);
   sd_model_free(other);
 }
 

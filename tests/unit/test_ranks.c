@@ -15,8 +15,6 @@ typedef struct deck_case {
   const char *name, *text;
 } deck_case;
 
-/* --- tests ------------------------------------------------------------------------------------ */
-
 static void same_messages(const sd_messages *a, const sd_messages *b) {
   assert_int_equal(sd_messages_count(a), sd_messages_count(b));
   for (size_t k = 0; k < sd_messages_count(a); k++)

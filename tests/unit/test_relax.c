@@ -34,14 +34,7 @@ static sd_model *heap_new(const char *integrator, double dt, double gamma_n, con
            "0.01; } "
            ");\nmeasure = { rotation = (0); };\n%s",
            phases);
-  sd_model *m = model_of(t.s);
-  free(t.s);
-  return m;
-}
-
-static void end_run(sd_simulation *sim, sd_model *m) {
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  return model_of_text(&t);
 }
 
 static double kinetic(const sd_energy *e) { return e->kinetic_translation + e->kinetic_rotation; }
@@ -61,8 +54,6 @@ static double imbalance(sd_simulation *sim) {
   }
   return sqrt(sum / (double)s->n_free) / weight;
 }
-
-/* --- equilibrium ------------------------------------------------------------------------------------- */
 
 /* Without any viscosity, a heap with friction comes to rest in force balance. */
 static void test_equilibrium(void **unused) {
@@ -100,8 +91,6 @@ static void test_energy(void **unused) {
   }
   assert_true(residual[0] < 1e-3 && residual[1] < 0.5 * residual[0]);
 }
-
-/* --- one step ---------------------------------------------------------------------------------------- */
 
 /* Steered or stopped, it books exactly what the kinetic energy loses. */
 static void test_booked(void **unused) {
@@ -154,8 +143,6 @@ static void test_out_of_play(void **unused) {
   assert_true(s->vx[5] == kept && s->vx[6] != lost);
   end_run(sim, m);
 }
-
-/* --- phases ------------------------------------------------------------------------------------------ */
 
 /* A disk on two supports, which would otherwise have a step of its own: delta = m g/(2 k sin^2) on two supports. */
 static void test_few(void **unused) {

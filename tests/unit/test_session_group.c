@@ -35,9 +35,7 @@ static sd_model *model_number(int k) {
            "phases = ( { name = \"one\"; steps = %d; measure = false;\n"
            "  settle = { kinetic = %g; every = 700; }; }, { name = \"two\"; steps = %d; } );\n",
            FIRST, k == MEMBERS - 1 ? 1e3 : 1e-30, SECOND);
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 typedef struct world {

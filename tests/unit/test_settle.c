@@ -49,8 +49,7 @@ static void a_disk_in_flight_and_one_at_rest(void **unused) {
   now = settle_measure_now(engine_of(sim));
   between(now.kinetic, 0, 0, "kinetic energy of the disk at rest");
   between(now.unbalanced, 0, 1e-12, "its unbalanced force");
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
 
 static void without_contacts_nothing_is_balanced(void **unused) {
@@ -64,8 +63,7 @@ static void without_contacts_nothing_is_balanced(void **unused) {
   m->gravity[1] = 0; /* free and at rest: balanced */
   sim = begin_run(m, 1);
   assert_true(settle_measure_now(engine_of(sim)).unbalanced == 0);
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
 
 static const char *const criteria[] = {"kinetic = 1e-8; every = 250;",
@@ -100,8 +98,7 @@ static void ends_at_the_first_look(void **unused) {
     assert_true(sd_simulation_finished(sim));
     assert_int_equal(sd_simulation_state(sim)->measured, 300);
     assert_int_equal(sd_simulation_state(sim)->step, looks * asked->every + 300);
-    sd_simulation_free(sim);
-    sd_model_free(m);
+    end_run(sim, m);
   }
 }
 
@@ -114,8 +111,7 @@ static void one_that_does_not_settle(void **unused) {
   assert_int_equal(s->phase_reached[0], 0);
   assert_true(s->phase_kinetic[0] > 1e-8);
   assert_int_equal(s->step, 1000);
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
 
 RUN_TESTS(TEST(a_disk_in_flight_and_one_at_rest), TEST(without_contacts_nothing_is_balanced),

@@ -60,8 +60,6 @@ static sd_model *model_of(const char *name) {
   return m;
 }
 
-/* --- points ------------------------------------------------------------------------------------------------ */
-
 static void test_crossed(void **state) {
   const deck_sweep *s =
       good("{ parameters = ( { path = \"gravity.tilt\"; values = (0, \"0.02 pi\", \"7.2 deg\"); },"
@@ -259,8 +257,6 @@ static void test_names(void **state) {
   for (size_t k = 0; k < 5; k++) assert_string_equal(s->parameters[k].name, wanted[k]);
 }
 
-/* --- seeds ------------------------------------------------------------------------------------------------- */
-
 static void test_seeds(void **state) {
   good("{ parameters = ( { path = \"gravity.g\"; values = (1, 2); }, { path = \"gravity.tilt\"; "
        "values = (0, 1); } ); }");
@@ -328,8 +324,6 @@ static void test_swept_seed(void **state) {
   assert_int_equal(point("noise=9007199254740993,g=1")->seed, 9007199254740993);
   sd_model_free(m);
 }
-
-/* --- -D ------------------------------------------------------------------------------------------------------ */
 
 static void test_overrides(void **state) {
   const char *const more[] = {"sweep.parameters[0].values=(4, 5)", "sweep.replicas=2",
@@ -409,8 +403,6 @@ static void test_count(void **state) {
 /* libconfig 1.5 itself loses the string it was reading at a syntax error. */
 __attribute__((visibility("default"))) const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void) { return "leak:libconfig\n"; }
-
-/* --- mistakes ---------------------------------------------------------------------------------------------- */
 
 static void count_is(size_t n) {
   if (sd_messages_count(messages) != n) sd_messages_print(messages, stderr);
@@ -572,8 +564,6 @@ static void test_all_at_once(void **state) {
   expect_message("deck.cfg:3: sweep.replicas = -1");
   count_is(2);
 }
-
-/* --- mistakes that only points make ---------------------------------------------------------------------------- */
 
 /* What sweep_check says of a sweep. */
 static size_t checked(const char *grids) {

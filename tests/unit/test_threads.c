@@ -34,9 +34,7 @@ static sd_model *packing(int n, int wide, const char *integrator, bool periodic)
       "phases = ( { steps = 100; }, { steps = 100000; measure = true; } );\n"
       "measure = { rotation = (0, %d); sliding = ( { disk = 0; partners = (\"box\", 1); } ); };\n",
       n - 1);
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 static void compare(const sd_model *model, int steps, const int *threads, int n, bool lively,
@@ -93,9 +91,7 @@ static sd_model *gas(int n, int wide, const char *integrator) {
            "0), (%g, %g), "
            "(0, %g)); } );\nphases = ( { steps = 100000; } );\n",
            width, width, height, height);
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 static void gases_do_not_depend_on_the_threads(void **unused) {
@@ -118,8 +114,7 @@ static void fewer_threads_than_asked_for_do_all_the_work(void **unused) {
   advance(many, 400);
   same_states(sd_simulation_state(one), sd_simulation_state(many), "two threads of four");
   sd_simulation_free(one);
-  sd_simulation_free(many);
-  sd_model_free(model);
+  end_run(many, model);
 }
 
 static atomic_bool busy;
@@ -154,8 +149,7 @@ static void threads_beside_others_get_on(void **unused) {
     same_states(sd_simulation_state(one), sd_simulation_state(many[k]), "beside others");
     sd_simulation_free(many[k]);
   }
-  sd_simulation_free(one);
-  sd_model_free(model);
+  end_run(one, model);
 }
 
 static void add_one(const team *t, void *with) {

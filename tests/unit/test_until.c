@@ -6,8 +6,6 @@
 #include "deck_runs.h"
 #include "sequential.h"
 
-/* --- looks ------------------------------------------------------------------------------------------------- */
-
 static void looks_are_few(void **unused) {
   const int64_t cases[][2] = {{1, 1},     {1, 50},         {7, 7},
                               {100, 101}, {1000, 1000000}, {3, INT64_MAX / 4}};
@@ -30,8 +28,6 @@ static void looks_are_few(void **unused) {
     between((double)count, 0, 20 + log((double)most / (double)least) / log(1.05), "looks");
   }
 }
-
-/* --- goals ------------------------------------------------------------------------------------------------- */
 
 static void goal_of_a_state(void **unused) {
   sd_disk disks[2] = {{.radius = 2}, {.radius = 0.5}};
@@ -93,8 +89,6 @@ static void goal_of_a_state(void **unused) {
   assert_true(isnan(g.error) && !g.reached);
   free(bins);
 }
-
-/* --- runs -------------------------------------------------------------------------------------------------- */
 
 /* A disk on two supports that shake: the goal is reached after some thousand steps. */
 #define SHAKEN(last, until)                                                                        \
@@ -180,8 +174,6 @@ static void gives_up_at_max_time(void **unused) {
   sd_state_free(end);
   sd_model_free(model);
 }
-
-/* --- decks ------------------------------------------------------------------------------------------------- */
 
 static void decks_say_it(void **unused) {
   sd_model *model = model_of(SHAKEN("3000", "until = { error = 1e-3; max_time = 0.2; };"));
@@ -294,8 +286,6 @@ static void models_are_refused(void **unused) {
     sd_model_free(model);
   }
 }
-
-/* --- what it does to the mean (docs/physics.md 9; slow_until makes the whole table) ---------------------- */
 
 static void means_are_biased_little(void **unused) {
   enum { SEEDS = 60 };

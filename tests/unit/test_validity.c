@@ -20,8 +20,7 @@ static sd_simulation *packing(int threads) {
                "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); mass = 1; rows = (");
   add_lattice(&t, 600, 20, 0.6, 0.5, 1.0, 0.52, 3);
   text_add(&t, "); } );\n");
-  sd_model *m = model_of(t.s);
-  free(t.s);
+  sd_model *m = model_of_text(&t);
   sd_simulation *sim = begin_run(m, threads);
   advance(sim, 50);
   return sim;
@@ -29,11 +28,8 @@ static sd_simulation *packing(int threads) {
 
 static void end(sd_simulation *sim) {
   sd_model *m = (sd_model *)(uintptr_t)sd_simulation_model(sim);
-  sd_simulation_free(sim);
-  sd_model_free(m);
+  end_run(sim, m);
 }
-
-/* --- what is broken -------------------------------------------------------------------------------------- */
 
 /* A closed contact of disks that sticks, an open pair of disks, a contact with the wall. */
 static size_t stuck(const pairs *p) {
@@ -169,8 +165,6 @@ static const fault in_step[] = {
     {"other_force", other_force, 1},
     {"energy_below", energy_below, 1},
 };
-
-/* --- children -------------------------------------------------------------------------------------------- */
 
 /* Does it abort? What it says on the way is expected, and no core is left. */
 static bool aborts(const fault *f, engine *e, void (*look)(const engine *)) {

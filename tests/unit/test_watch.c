@@ -137,8 +137,7 @@ static void counts_equal_a_recount(void **unused) {
     advance(fast, sd_model_steps(m));
     same_states(s, sd_simulation_state(fast), "statistics, step by step and at once");
     sd_simulation_free(sim);
-    sd_simulation_free(fast);
-    sd_model_free(m);
+    end_run(fast, m);
   }
 }
 

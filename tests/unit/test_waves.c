@@ -43,9 +43,7 @@ static sd_model *driven(const char *moves) {
            "materials = ( { name = \"m\"; k_n = 1e3; } );\n"
            "disks = ( { name = \"d\"; x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );\n");
   text_add(&t, "motions = ( %s );\n", moves);
-  sd_model *model = model_of(t.s);
-  free(t.s);
-  return model;
+  return model_of_text(&t);
 }
 
 #define SQUARE(r) "type = \"square\"; amplitude = 0.125; omega = 62.8; phase = 0.7; rise = " #r ";"
@@ -80,8 +78,7 @@ static void compare(const char *move, int coordinate, long double amplitude, lon
   between(worst_v, 0, 3e-14 * steep * steep, "velocity");
   between(most / fabs((double)amplitude) / peak, rise > 0 ? 0.97 : 1 - 1e-12, 1 + 1e-12,
           "largest velocity");
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
   free(t.s);
 }
 
@@ -112,11 +109,8 @@ static void a_square_has_its_acceleration(void **unused) {
   }
   between(largest / (3 * 9.81), 1 - 1e-4, 1 + 1e-4, "largest acceleration");
   between(jump / largest, 0, 0.03, "change of the acceleration in a step");
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
 }
-
-/* --- driven disks -------------------------------------------------------------------------------------- */
 
 /* A disk that lies on a floor, thrown and struck by it. */
 static double floor_residual(const char *integrator, double dt, const char *wave) {
@@ -137,8 +131,7 @@ static double floor_residual(const char *integrator, double dt, const char *wave
   sd_energy energy = sd_simulation_energy(sim);
   assert_true(energy.scale > 1e-3); /* it was moved: m g A is 2e-3 */
   double residual = fabs(energy.residual / energy.scale);
-  sd_simulation_free(sim);
-  sd_model_free(model);
+  end_run(sim, model);
   free(t.s);
   return residual;
 }
@@ -157,8 +150,6 @@ static void energy_is_balanced(void **unused) {
       between(fine / coarse, 0, 0.12, "residual with a finer step over that with a coarse one");
     }
 }
-
-/* --- mistakes -------------------------------------------------------------------------------------------- */
 
 static void refused(const char *move, const char *what) {
   text t = {0};

@@ -56,9 +56,7 @@ static sd_model *column(const trial *t) {
            t->keys, t->material, t->walls, t->motions);
   add_lattice(&deck, t->large ? LARGE : SMALL, WIDE, 0.03, 0.021, 0.0408, 0.018, 11);
   text_add(&deck, "); } );\n");
-  sd_model *model = model_of(deck.s);
-  free(deck.s);
-  return model;
+  return model_of_text(&deck);
 }
 
 static void same_runs(sd_simulation *plain, sd_simulation *other, const char *name) {
@@ -95,8 +93,7 @@ static void compare(const trial *t) {
   assert_int_equal(engine_of(plain)->work.window.taken, 0);
   sd_simulation_free(one);
   sd_simulation_free(two);
-  sd_simulation_free(plain);
-  sd_model_free(model);
+  end_run(plain, model);
 }
 
 static void windows_have_the_bits_of_single_steps(void **unused) {

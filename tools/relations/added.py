@@ -109,8 +109,6 @@ def remove(r, deck):
     deck["bounds"] = {"x": [-5, 5], "y": [low - 1e-3, 5], "outside": "remove"}
 
 
-# --- where disks come from --------------------------------------------------------------------------------------------
-
 ALONE = {**PLAIN_BODIES, "bodies": ("free",), "walls": ("none",), "box": ("open",), "motion": ("none",), "materials": ("one",)}
 
 
@@ -145,9 +143,6 @@ packed("random in a hopper", {"type": "hopper", "width": 0.8, "height": 0.9, "ou
 packed("random in a periodic box", {"type": "periodic", "width": 0.7, "height": 0.7}, type="random", fraction=0.5)
 packed("clumps in a box", {"type": "box", "width": 0.7, "height": 0.9, "open": False}, type="random", count=8,
        clump={"at": [[-0.5, 0.0], [0.5, 0.0]], "radii": [0.6, 0.6]})
-
-
-# --- what else a deck may have ----------------------------------------------------------------------------------------
 
 
 def need_disks(deck):
@@ -301,9 +296,6 @@ def rows_of_phases(r, deck):
     for phase in deck["phases"]:
         phase.update(series=r.choice((5, 13)), frames=r.choice((0, 40)), contacts=r.choice((0, 70)), measure=r.random() < 0.7)
     deck["checkpoint"] = 1e-3
-
-
-# --- calls between steps ----------------------------------------------------------------------------------------------
 
 
 def call(deck, r, *calls):

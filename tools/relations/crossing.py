@@ -61,8 +61,6 @@ def make(seed):
     raise ValueError(f"nothing suits {dimension}: {row}")
 
 
-# --- the product ------------------------------------------------------------------------------------------------------
-
 ROUNDS = 2  # of one deck for each feature; only the first of them is run by several threads, too, which wait for each other on busy machines
 
 

@@ -93,9 +93,6 @@ class Builder:
                 clump["velocity"]["xy".index(coordinate)] = 0.0
 
 
-# --- disks ------------------------------------------------------------------------------------------------------------
-
-
 def lattice(b):
     columns, rows = b.shape
     for k in range(columns * rows):
@@ -148,9 +145,6 @@ def clumps(b):
                          "velocity": [b.random.uniform(-0.6, 0.6), b.random.uniform(-0.6, 0.6)]})
 
 
-# --- laws -------------------------------------------------------------------------------------------------------------
-# Of each material and of each pair, with numbers of its own.
-
 LAWS = {
     "normal": {"linear": lambda b: {"k_n": b.near(2e3)}, "hertz": lambda b: {"law": "hertz", "k_n": b.near(4e4)}},
     "damping": {"elastic": lambda b: {}, "viscous": lambda b: {"gamma_n": b.near(0.6)},
@@ -197,8 +191,6 @@ def materials(b):
     for body in b.disks + b.walls:
         body["material"] = b.random.choice(("grain", "steel"))
 
-
-# --- walls ------------------------------------------------------------------------------------------------------------
 
 plain("walls", "none")
 
@@ -291,8 +283,6 @@ def hump(b):
     obstacle(b, "arc", **{"from": b.random.uniform(-1, 0), "to": b.random.uniform(2, 4)})
 
 
-# --- boxes, gravity ---------------------------------------------------------------------------------------------------
-
 plain("box", "open", "x", "y", "xy")
 
 
@@ -336,8 +326,6 @@ def down(b):
 def oblique(b):
     b.top["gravity"] = {"g": b.near(10.0), "tilt": b.random.uniform(-1.2, 1.2)}
 
-
-# --- motions ----------------------------------------------------------------------------------------------------------
 
 plain("motion", "none")
 
@@ -427,8 +415,6 @@ def servo(b):
     b.move(b.random.choice("xy"), "servo", force=b.sign() * b.near(0.5), speed=b.near(0.3))
 
 
-# --- fields, integrators ----------------------------------------------------------------------------------------------
-
 plain("field", "none")
 
 
@@ -459,9 +445,6 @@ plain("integrator", "verlet", "gear5")
 plain("variant", "paper", "conservative")
 ORDER = ("normal", "damping", "friction", "rolling", "cohesion", "materials", "bodies", "walls", "box", "gravity", "motion",
          "field", "integrator", "variant")
-
-
-# --- decks ------------------------------------------------------------------------------------------------------------
 
 
 @dataclasses.dataclass

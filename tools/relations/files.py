@@ -42,8 +42,6 @@ def run(work, deck, name="r"):
     return work / f"{name}.h5"
 
 
-# --- forces that are written ------------------------------------------------------------------------------------------
-
 NAMES = "force_x", "force_y", "torque"
 MEASURES = {"walls": True, "groups": True, "box": True, "stress": True}
 
@@ -136,9 +134,6 @@ def moments(sim, deck, name):
     return total
 
 
-# --- restarts ---------------------------------------------------------------------------------------------------------
-
-
 def continued(deck, result):
     """The deck that goes on from the result of the first."""
     other = {key: value for key, value in deck.items() if key != "disks"}
@@ -177,8 +172,6 @@ def taken_over(seed):
     watch.same(seen, found, later, moves)
 
 
-# --- exports ----------------------------------------------------------------------------------------------------------
-
 EXPORTS = {"csv": ("t", "t/disks.csv"), "lammps-data": ("t.data", "t.data"), "h5md3d": ("t.h5md", "t.h5md")}
 
 
@@ -200,9 +193,6 @@ def exported(seed):
     state = sim.disks
     for name in "x", "y", "vx", "vy", "omega", "radius":
         near(name, 0, found[name], state[name], 1e-12)
-
-
-# --- sweeps -----------------------------------------------------------------------------------------------------------
 
 
 def small(seed):

@@ -58,6 +58,8 @@ def mirror(seed):
     """x -> -x, or y -> -y where x is driven by random numbers, which have no sign."""
     made = draw(seed)
     driven = [m["coordinate"] for m in made.deck.get("motions", ()) if m["type"] == "random"]
+    if {"x", "y"} <= set(driven):
+        raise watch.Refused("random numbers drive both")
     upside_down = "x" in driven or (seed % 2 and "y" not in driven and "container" not in made.deck)
     relate(made, maps.UPSIDE_DOWN if upside_down else maps.MIRROR)
 
@@ -69,8 +71,8 @@ def quarter(seed):
 
 
 def shift(seed):
-    """Everything elsewhere, the box too."""
-    relate(draw(seed), maps.shifted(0.375, -1.25))
+    """Everything elsewhere, the box too. What relaxes depends on the sign of a power, which rounding may change."""
+    relate(draw(seed, phases=("relax",)), maps.shifted(0.375, -1.25))
 
 
 def images(seed):
@@ -133,9 +135,6 @@ def rain(seed):
     watch.same(*looks, 10 * NEAR, KINDS, 100)
 
 
-# --- features of size zero --------------------------------------------------------------------------------------------
-# (rows without which the deck is made, what is added to all laws or to the deck)
-
 TINY = 1e-60
 ZEROS = {
     "friction of 0": ({"friction": ("smooth",)}, {"k_t": 1e3, "mu": 0.0}),
@@ -194,8 +193,6 @@ def idle(seed):
     found = [{kind: v if kind == "energy" else v[:n] for kind, v in look.items()} for look in watch.follow(other, 300, EVERY)]
     watch.same(watch.follow(deck, 300, EVERY), found, NEAR, every=EVERY)
 
-
-# --- another frame, backwards -----------------------------------------------------------------------------------------
 
 BOOST = np.array([0.71, -0.43])
 
