@@ -6,7 +6,7 @@ from package import ROOT  # noqa: F401  finds the tools
 from ranks_common import run
 from results_common import Folder, assert_same
 
-from relations import crossing, watch
+from relations import added, crossing, watch
 
 ALONE = "without mpirun"
 ROWS = {"series": 10, "frames": 50, "contacts": 60}
@@ -18,7 +18,7 @@ def deck_of(seed):
     deck = made.deck
     if made.has["outputs"] == "none":
         deck["output"] = ROWS
-        deck["measure"] = {**deck.get("measure", {}), "groups": True, "box": True, "stress": True, "walls": bool(deck.get("walls"))}
+        added.measure_sums(deck)
     return made.has, watch.slipdisk.deck_text(deck)
 
 

@@ -285,10 +285,15 @@ def columns_of_the_series(r, deck):
     deck["phases"][-1]["series"] = 1
 
 
+def measure_sums(deck):
+    grouped = any("group" in one for one in deck["disks"] + deck.get("packings", []))
+    deck["measure"] = {**deck.get("measure", {}), "groups": grouped, "box": True, "stress": True, "walls": bool(deck.get("walls"))}
+
+
 @added("outputs", "rows")
 def rows_of_results(r, deck):
     deck["output"] = {"series": r.choice((1, 7, 10)), "frames": r.choice((25, 50)), "contacts": r.choice((30, 60))}
-    deck["measure"] = {**deck.get("measure", {}), "groups": True, "box": True, "stress": True, "walls": bool(deck.get("walls"))}
+    measure_sums(deck)
 
 
 @added("outputs", "rows of phases")
