@@ -417,11 +417,14 @@ static int write_result(const scene *on, int k, char *result, size_t size) {
 }
 
 static void write_results(const scene *on) {
+  bool plain_fails = false;
   for (int k = 0; k < RESULT_WAYS; k++) {
     char result[1024];
     const int stops = write_result(on, k, result, sizeof result);
+    plain_fails |= k == 0 && stops < 0;
     if (stops < 0)
-      printf("%s\t%s\tleft: the run fails\n", on->path, result_ways[k].name);
+      printf("%s\t%s\t%s: the run fails\n", on->path, result_ways[k].name,
+             plain_fails || k == 0 ? "left" : "wrong");
     else if (stops == 0 && result_ways[k].piece < ALL)
       printf("%s\t%s\tleft: no row is due where it could stop\n", on->path, result_ways[k].name);
     else

@@ -98,7 +98,7 @@ def ways(folder, seeds, others=()):
             if way == "plain":
                 hashes[seed] = outcome
             yield seed, has[seed], way, outcome
-    for seed, way, outcome in results_of(folder, [seed for seed in seeds if has[seed]["outputs"] != "none"]):
+    for seed, way, outcome in results_of(folder, [seed for seed in seeds if seed in threaded or has[seed]["outputs"] != "none"]):
         yield seed, has[seed], way, outcome
     for other in others:
         for seed, way, outcome in run_ways(pathlib.Path(other), ["--alone"], [folder / f"{seed}.cfg" for seed in seeds]):
