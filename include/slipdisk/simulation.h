@@ -134,11 +134,9 @@ SD_API sd_status sd_simulation_remove_disks(sd_simulation *simulation, size_t n,
  *   radius mass inertia                number of a free disk; each leaves the other two as they are
  *   held                               number of a disk, free or fixed; 1 holds it, 0 releases it
  *   gravity                            SD_X, SD_Y
- *   law.k_n law.k_t law.gamma_n        a n + b, for two of the n materials; the law of b and a
- *   law.mu law.mu_kinetic law.gamma_t  follows
- *   law.restitution law.pull_off
- *   law.E_star law.poisson
- *   law.k_r law.gamma_r law.mu_r
+ *   law.mu law.k_n ...                 a n + b, for two of the n materials; the law of b and a
+ *                                      follows. Each constant of a law that is a number, by its
+ *                                      name in decks
  *   motion.velocity motion.amplitude   number of a motion that has this constant
  *   motion.force motion.pressure
  *

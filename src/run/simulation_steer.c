@@ -60,6 +60,7 @@ typedef struct quantity {
 } quantity;
 
 #define MEMBER(type, member) 0, 1, offsetof(type, member)
+/* Beside these there is law.KEY for each key of a contact law whose value is a number. */
 static const quantity quantities[] = {
     {"x", STEER_PLACE, SD_X, 1, 0},
     {"y", STEER_PLACE, SD_Y, 1, 0},
@@ -74,25 +75,13 @@ static const quantity quantities[] = {
     {"inertia", STEER_SIZE, MEMBER(sd_disk, inertia)},
     {"held", STEER_HELD, 0, 1, 0},
     {"gravity", STEER_GRAVITY, 0, 1, 0},
-    {"law.k_n", STEER_LAW, MEMBER(sd_contact_law, k_n)},
-    {"law.E_star", STEER_LAW, MEMBER(sd_contact_law, E_star)},
-    {"law.poisson", STEER_LAW, MEMBER(sd_contact_law, poisson)},
-    {"law.k_t", STEER_LAW, MEMBER(sd_contact_law, k_t)},
-    {"law.gamma_n", STEER_LAW, MEMBER(sd_contact_law, gamma_n)},
-    {"law.mu", STEER_LAW, MEMBER(sd_contact_law, mu)},
-    {"law.restitution", STEER_LAW, MEMBER(sd_contact_law, restitution)},
-    {"law.mu_kinetic", STEER_LAW, MEMBER(sd_contact_law, mu_kinetic)},
-    {"law.gamma_t", STEER_LAW, MEMBER(sd_contact_law, gamma_t)},
-    {"law.k_r", STEER_LAW, MEMBER(sd_contact_law, k_r)},
-    {"law.gamma_r", STEER_LAW, MEMBER(sd_contact_law, gamma_r)},
-    {"law.mu_r", STEER_LAW, MEMBER(sd_contact_law, mu_r)},
-    {"law.pull_off", STEER_LAW, MEMBER(sd_contact_law, pull_off)},
     {"motion.velocity", STEER_MOTION, MEMBER(sd_motion, velocity)},
     {"motion.amplitude", STEER_MOTION, MEMBER(sd_motion, amplitude)},
     {"motion.force", STEER_MOTION, MEMBER(sd_motion, force)},
     {"motion.pressure", STEER_MOTION, MEMBER(sd_motion, pressure)},
 };
 enum { QUANTITIES = sizeof quantities / sizeof *quantities };
+#define LAW "law."
 
 static uint32_t index_of(const steering *c, size_t k) {
   return c->index ? c->index[k] : (uint32_t)k;
@@ -106,24 +95,50 @@ static double *member_of(void *members, const quantity *q) {
   return (double *)(void *)((char *)members + q->offset);
 }
 
-static const quantity *quantity_find(const char *name, sd_messages *messages) {
+/* Finds law.KEY, or guesses the key that is meant by `key`; NULL: none is near. */
+static const deck_key *law_key(const char *key, bool nearest) {
+  guess near = guess_start(key);
+  for (size_t k = 0; k < law_table.n; k++) {
+    const deck_key *found = &law_table.key[k];
+    if (found->target != DECK_SETS_NUMBER) continue;
+    if (strcmp(found->name, key) == 0) return found;
+    guess_add(&near, found->name);
+  }
+  return nearest && near.best ? deck_key_find(&law_table, near.best) : NULL;
+}
+
+/* Reports an unknown quantity, with the one that may be meant. */
+static void quantity_unknown(const char *name, sd_messages *messages) {
+  const char *dot = strchr(name, '.'), *key = dot ? dot + 1 : name, *part = NULL;
   guess near = guess_start(name);
-  const char *part = NULL;
   for (size_t k = 0; k < QUANTITIES; k++) {
-    const char *dot = strchr(quantities[k].name, '.');
-    if (strcmp(quantities[k].name, name) == 0) return &quantities[k];
-    if (dot && strcmp(dot + 1, name) == 0) part = quantities[k].name;
+    const char *at = strchr(quantities[k].name, '.');
+    if (at && strcmp(at + 1, name) == 0) part = quantities[k].name;
     guess_add(&near, quantities[k].name);
   }
   if (!part) part = near.best;
-  if (part)
+  const deck_key *law = law_key(key, dot != NULL && !part);
+  if (law)
+    sd_fail(messages, SD_ERROR_USER, "%s: unknown quantity; did you mean \"" LAW "%s\"?", name,
+            law->name);
+  else if (part)
     sd_fail(messages, SD_ERROR_USER, "%s: unknown quantity; did you mean \"%s\"?", name, part);
   else
     sd_fail(messages, SD_ERROR_USER,
             "%s: unknown quantity; expected \"x\", \"vx\", \"gravity\", "
             "\"law.mu\" ... (sd_simulation_set)",
             name);
-  return NULL;
+}
+
+/* Finds the quantity with this name; false: there is none, which is reported. */
+static bool quantity_find(const char *name, quantity *out, sd_messages *messages) {
+  for (size_t k = 0; k < QUANTITIES; k++)
+    if (strcmp(quantities[k].name, name) == 0) return *out = quantities[k], true;
+  const deck_key *key =
+      strncmp(name, LAW, sizeof LAW - 1) == 0 ? law_key(name + sizeof LAW - 1, false) : NULL;
+  if (!key) return quantity_unknown(name, messages), false;
+  *out = (quantity){name, STEER_LAW, 0, 1, key->offset};
+  return true;
 }
 
 /* Refuses numbers that are not finite or too large. */
@@ -582,12 +597,13 @@ static sd_status set(steering *c) {
 sd_status sd_simulation_set(sd_simulation *sim, const char *name, size_t n, const uint32_t *index,
                             const double *values, sd_messages *messages) {
   bool outer;
-  const quantity *row = quantity_find(name, messages);
-  if (!row || !simulation_enter(sim, NEED_CHANGE, "sd_simulation_set", &outer, messages))
+  quantity row;
+  if (!quantity_find(name, &row, messages) ||
+      !simulation_enter(sim, NEED_CHANGE, "sd_simulation_set", &outer, messages))
     return SD_ERROR_USER;
   steering c = {.sim = sim,
                 .e = &sim->engine,
-                .row = row,
+                .row = &row,
                 .n = n,
                 .index = index,
                 .values = values,
@@ -632,9 +648,9 @@ static double value_now(const engine *e, const quantity *q, uint32_t index) {
 }
 
 double sd_simulation_get(const sd_simulation *sim, const char *name, uint32_t index) {
-  const quantity *q = quantity_find(name, NULL);
-  if (!q || !simulation_read_begin(sim)) return NAN;
-  const double value = value_now(&sim->engine, q, index);
+  quantity q;
+  if (!quantity_find(name, &q, NULL) || !simulation_read_begin(sim)) return NAN;
+  const double value = value_now(&sim->engine, &q, index);
   simulation_read_end(sim);
   return value;
 }
@@ -668,9 +684,9 @@ static uint32_t index_by_name(const sd_model *m, const quantity *q, const char *
 
 uint32_t sd_simulation_index(const sd_simulation *sim, const char *quantity_name, const char *name,
                              const char *other) {
-  const quantity *q = quantity_find(quantity_name, NULL);
-  if (!q || !simulation_read_begin(sim)) return UINT32_MAX;
-  const uint32_t index = index_by_name(sim->engine.model, q, name, other);
+  quantity q;
+  if (!quantity_find(quantity_name, &q, NULL) || !simulation_read_begin(sim)) return UINT32_MAX;
+  const uint32_t index = index_by_name(sim->engine.model, &q, name, other);
   simulation_read_end(sim);
   return index;
 }

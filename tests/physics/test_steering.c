@@ -2,6 +2,8 @@
  * release disks: closed forms, the energy budget, the same bits with any threads and after saving,
  * refused values. */
 #include "unit.h"
+
+#include "model/laws.h"
 #include "slipdisk/slipdisk.h"
 
 static void check(sd_status status, sd_messages *m) {
@@ -333,6 +335,14 @@ static void test_refused(void **unused) {
   refused(sim, "law.k_n", 0, 1e14, "dt");
   refused(sim, "law.mu", 0, -1, "expected a number >= 0");
   refused(sim, "law.mu", 1, 1, "materials");
+  char quantity[32]; /* each number among the keys of a law has a value */
+  for (size_t k = 0; k < law_table.n; k++) {
+    snprintf(quantity, sizeof quantity, "law.%s", law_table.key[k].name);
+    assert_int_equal(isnan(sd_simulation_get(sim, quantity, 0)),
+                     law_table.key[k].target != DECK_SETS_NUMBER);
+  }
+  refused(sim, "mu", 0, 1, "did you mean \"law.mu\"");
+  refused(sim, "law.mu_kinetc", 0, 1, "did you mean \"law.mu_kinetic\"");
   refused(sim, "law.k_r", 0, 1e3, "columns");
   refused(sim, "held", 0, 2, "expected 1 (hold) or 0 (release)");
   refused(two, "vx", 1, 1, "fixed or driven");
