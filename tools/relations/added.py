@@ -317,7 +317,6 @@ def free_disks(deck):
 
 
 SINGLE = {"bodies": ("free", "held", "locked", "inertia", "forces")}
-LAW_KEYS = ("k_n", "E_star", "poisson", "k_t", "gamma_n", "mu", "restitution", "mu_kinetic", "gamma_t", "k_r", "gamma_r", "mu_r", "pull_off")
 MOTION_KEYS = ("velocity", "amplitude", "force", "pressure")
 
 
@@ -326,7 +325,7 @@ def set_laws(r, deck):
     pairs = ((0, "grain"),) if len(deck["materials"]) == 1 else ((0, "grain"), (3, "steel"))
     laws = {law["name"]: law for law in deck["materials"]}
     call(deck, r, *(f"set law.{key} {index} {laws[name][key] * r.uniform(0.9, 1.1):.4g}"
-                    for index, name in pairs for key in LAW_KEYS if key in laws[name]))
+                    for index, name in pairs for key in laws[name] if type(laws[name][key]) in (int, float)))
 
 
 @added("calls", "gravity")
