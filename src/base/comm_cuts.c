@@ -6,8 +6,6 @@
 
 #include "base/math.h"
 #include "base/memory.h"
-#ifdef SD_HAVE_MPI
-#endif
 
 typedef struct rectangle {
   double low[2], high[2];
