@@ -22,7 +22,7 @@ def anchors(text):
 
 class Links(unittest.TestCase):
     def test_links_lead_somewhere(self):
-        pages = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+        pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
         texts = {page.resolve(): page.read_text() for page in pages}
         broken, links = [], 0
         for page, text in texts.items():

@@ -285,8 +285,7 @@ class Stopped(Started):
         status, _, err = run("run", *self.words, "-D", "seed=7", "-o", self.result)
         self.assertEqual(status, 2)
         self.assertIn("seed: 1 there, 7 here", err)
-        self.assertIn("seed = 1", err)
-        self.assertNotIn("checkpoint = ", err)
+        self.assertNotIn("checkpoint", err)
         self.assertEqual(self.checkpoints(), before)
 
     def test_another_table(self):
