@@ -7,8 +7,8 @@
  * in 2^15; hypot errs by less than 0.6 units in the last place. fmin and fmax of C may return
  * either zero of 0 and -0.
  *
- * Functions that C defines exactly come from the C library: sqrt, fabs, floor, ceil, nearbyint, fma, ...
- * tests/docs/test_same_bits.py has the list.
+ * Functions that C defines exactly come from the C library: sqrt, fabs, floor, ceil, nearbyint,
+ * fma, ... tests/docs/test_same_bits.py has the list.
  */
 #ifndef SLIPDISK_BASE_MATH_H
 #define SLIPDISK_BASE_MATH_H

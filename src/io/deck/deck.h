@@ -81,7 +81,8 @@ sd_status deck_sweep_model(const deck_sweep *s, size_t point, sd_model **out,
 typedef void deck_difference(void *user, const char *path, const char *there, const char *here);
 bool deck_compare(const char *there, const char *here, bool any_title, deck_difference *tell,
                   void *user);
-/* Returns a difference as text, such as "gravity.tilt: 0.1 there, 0.2 here"; the caller frees it. */
+/* Returns a difference as text, such as "gravity.tilt: 0.1 there, 0.2 here"; the caller frees
+ * it. */
 char *deck_difference_text(const char *path, const char *there, const char *here);
 
 /* Loads a deck as sd_deck_load does, for commands: the deck must say how long the run is. */

@@ -73,8 +73,8 @@ void deck_columns_resolve(deck_group *g, deck_columns *table, deck_column_there 
  * arithmetic; NAN after an error, reported at place. */
 double deck_columns_value(deck *d, const deck_columns *table, size_t c, double value,
                           deck_place place);
-/* Returns the entry of the key `columns` for a column of disks that stands in a file as `name`, such
- * as "radius = 0.5 * diameter"; NULL: programs do not give it this name. */
+/* Returns the entry of the key `columns` for a column of disks that stands in a file as `name`,
+ * such as "radius = 0.5 * diameter"; NULL: programs do not give it this name. */
 const char *deck_columns_hint(deck *d, int column, const char *name);
 /* deck_columns_add adds a column, "radius" or "radius = NAME IN THE FILE"; false after an error,
  * reported at node, or at place if node is NULL. deck_columns_add_row adds a row, whose numbers and

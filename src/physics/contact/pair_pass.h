@@ -128,8 +128,8 @@ LANE_INLINE LANE(contact_constants)
   return k;
 }
 
-/* Returns the LAW_ bits (model/law_features.h) that a pass of this kind evaluates. They are a compile-time
- * constant unless the pass is general. */
+/* Returns the LAW_ bits (model/law_features.h) that a pass of this kind evaluates. They are a
+ * compile-time constant unless the pass is general. */
 LANE_INLINE unsigned LANE(features_of)(const work *w, const int kind) {
   return kind & PASS_GENERAL ? w->features : kind & PASS_MIXED ? LAW_NORMAL : 0;
 }

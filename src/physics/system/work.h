@@ -27,7 +27,7 @@ typedef struct law_row {
   /* normal: number of the normal force law; tsuji: factor of its damping by restitution
    * (law_tsuji) */
   double normal, tsuji;
-  /* The other members are only read if some law needs them (LAW_GENERAL in model/law_features.h). */
+  /* The other members are only read if some law needs them (LAW_GENERAL in law_features.h). */
   LAW_CONSTANTS(LAW_MEMBER)
 } law_row;
 #undef LAW_MEMBER
