@@ -524,7 +524,7 @@ static bool crosses_far(const double a[2], const double b[2], double radius, con
  * drum's wall does not cut the cell, or if no point of the part inside is farther from the disk
  * than bulk_reach. */
 static double round_area(const cutter *q, size_t i, polygon *p, bool *closed) {
-  const region *g = q->whole;
+  const container_outline *g = &q->whole->outline;
   const double own[2] = {q->s->at[i][0] - g->centre[0], q->s->at[i][1] - g->centre[1]};
   double reach = bulk_reach(q, i);
   bool at_wall = false, near = true;
@@ -553,7 +553,7 @@ static double cell_area(const cutter *q, size_t i, bool *closed, bool *short_of_
   /* no cell: larger disks leave no area to this disk, or the polygon has too many corners */
   if (!cut_neighbours(q->s, i, q->largest, &p) || p.n < 3) return NAN;
   cut_walls(q, i, &p);
-  if (g->round) {
+  if (region_is_round(g)) {
     area = round_area(q, i, &p, closed);
   } else {
     cut_region(q, i, &p);

@@ -285,6 +285,32 @@ static void follow_walls(configuration *config, const sd_model *from) {
     }
 }
 
+/* Returns the wall of the run's model with this name; NULL: there is none. */
+static const sd_wall *wall_named(const configuration *c, const sd_model *from, const char *name) {
+  for (size_t w = 0; w < from->n_walls; w++)
+    if (from->walls[w].name && strcmp(from->walls[w].name, name) == 0) return &c->model->walls[w];
+  return NULL;
+}
+
+/* Sets the outline of a container that is no rectangle, from the walls along it. */
+static void follow_outline(configuration *c, const sd_model *from) {
+  const container_kind *kind = container_kind_of(from->container);
+  container_outline o = {0};
+  for (const container_wall *row = kind->walls; !kind->rectangle && row->name; row++) {
+    const sd_wall *wall = wall_named(c, from, row->name);
+    size_t points = row->n > 0 ? (size_t)row->n : wall ? wall->n_points : 0;
+    if (!wall || wall->n_points != points || points > CONTAINER_CORNERS) return;
+    for (int i = 0; i < 2; i++) o.centre[i] = wall->pivot[i];
+    o.radius = points > 0 ? 0.0 : wall->radius;
+    for (size_t k = 0; k < points; k++) {
+      size_t corner = row->n > 0 ? (size_t)row->corner[k] : k;
+      o.n = corner + 1 > o.n ? corner + 1 : o.n;
+      for (int i = 0; i < 2; i++) o.corner[corner][i] = wall->points[k][i];
+    }
+  }
+  c->outline = o;
+}
+
 /* Allocates rows for all bodies of the frame; rows for disks not in play stay unused. */
 static sd_status new_bodies(configuration *c, const frame_data *f, uint32_t **renumbered) {
   sd_model *m = c->model;
@@ -305,6 +331,7 @@ static void fill_bodies(configuration *c, const sd_model *from, const frame_data
     fill_wall(&m->walls[w], &from->walls[w], f, from->n_disks + w);
   }
   follow_walls(c, from);
+  follow_outline(c, from);
 }
 
 /* --- contacts --------------------------------------------------------------------------------- */
@@ -542,6 +569,12 @@ void configuration_free(configuration *c) {
 
 /* --- region ----------------------------------------------------------------------------------- */
 
+/* Returns true if walls run all around the inside of the container. */
+static bool is_closed(const sd_model *m) {
+  const container_wall *first = container_kind_of(m->container)->walls;
+  return first->name && first->n == 0;
+}
+
 region configuration_region(const configuration *c, const double *wanted) {
   const sd_model *m = c->model;
   region g = {0};
@@ -566,11 +599,7 @@ region configuration_region(const configuration *c, const double *wanted) {
     if (g.whole[k]) g.upper[k] = g.lower[k] + length;
     g.image[k] = length > 0.0 && !g.whole[k] ? length : 0.0;
   }
-  if (!wanted && given && m->container == SD_CONTAINER_DRUM) {
-    g.round = true;
-    for (int k = 0; k < 2; k++) g.centre[k] = 0.5 * (g.lower[k] + g.upper[k]);
-    g.radius = 0.5 * (g.upper[0] - g.lower[0]);
-  }
+  if (!wanted && given) region_use_outline(&g, &c->outline, is_closed(m));
   return g;
 }
 
@@ -591,11 +620,10 @@ static bool has_wall(const sd_model *m, int c, double at, double near) {
 unsigned configuration_open(const configuration *c) {
   const region g = configuration_region(c, NULL);
   unsigned open = 0;
-  for (int k = 0; !g.round && k < 2; k++)
+  for (int k = 0; !is_closed(c->model) && k < 2; k++)
     for (int side = 0; !g.whole[k] && side < 2; side++)
       if (!has_wall(c->model, k, side ? g.upper[k] : g.lower[k], 1e-9 * (g.upper[k] - g.lower[k])))
         open |= 1u << (2 * k + side);
-  /* The lower edge of a bed (a kind of container) counts as closed without a wall: its floor
-   * consists of disks. */
-  return c->model->container == SD_CONTAINER_BED ? open & ~4u : open;
+  /* A floor of disks closes the lower edge without a wall. */
+  return container_kind_of(c->model->container)->disk_floor ? open & ~4u : open;
 }

@@ -16,6 +16,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "model/containers.h"
 #include "model/state.h"
 #include "slipdisk/model.h"
 
@@ -23,8 +24,9 @@
 
 /* The part of the plane over which a configuration is measured, and areas within it.
  *
- * A region is a rectangle or the round inside of a drum. Areas of disks in it are exact: straight
- * edges divide a circle into triangles and sectors, a round edge cuts a lens out of it. */
+ * A region is a rectangle, or the inside of a container that is none. Areas of disks in it are
+ * exact: straight edges divide a circle into triangles and sectors, a round edge cuts a lens out of
+ * it. */
 
 typedef struct region {
   double lower[2], upper[2];
@@ -33,11 +35,17 @@ typedef struct region {
   /* [c] period along coordinate c if this direction is periodic and the region does not span it, so
    * that the region has periodic images; else 0 */
   double image[2];
-  /* true for a drum with this centre and radius; lower and upper are then its bounding box */
-  bool round;
-  double centre[2], radius;
+  /* outline inside the rectangle from lower to upper; empty: the region is the rectangle */
+  container_outline outline;
 } region;
 
+static inline bool region_is_round(const region *g) {
+  return g->outline.n == 0 && g->outline.radius > 0.0;
+}
+/* Cuts the region to the inside of an outline: if walls close it all around, the rectangle becomes
+ * its bounding box; else the outline ends at the lower and upper edge of the rectangle. Does
+ * nothing for an empty outline. */
+void region_use_outline(region *g, const container_outline *o, bool closed);
 double region_area(const region *g);
 /* Returns true if the point, or a periodic image of it, lies in the region or on its edge. */
 bool region_holds(const region *g, double x, double y);
@@ -137,8 +145,9 @@ typedef struct configuration {
   uint32_t *number; /* [model->n_disks] number that each disk has in the deck (input file) */
   size_t n_deck;    /* number of disks of the deck, those not in play included */
   size_t n_waiting, n_removed;
-  double length[2]; /* lengths of the periodic box along x and y, 0: not periodic */
-  double offset;    /* x shift of the periodic image above, in a sheared box */
+  double length[2];          /* lengths of the periodic box along x and y, 0: not periodic */
+  container_outline outline; /* of the container as its walls are now; empty: a rectangle */
+  double offset;             /* x shift of the periodic image above, in a sheared box */
   double gradient[SD_CELL_COMPONENTS]; /* velocity gradient of a box that deforms: xx, yy, xy */
   disk_extent extent;                  /* that of the frame, and of the disks in model */
   /* true if the contacts were not stored but computed from positions and velocities */

@@ -118,7 +118,8 @@ OBSERVABLE_GET(at_limit, measurement,
                    : NAN)
 OBSERVABLE_GET(region_x, measurement, k == 0 ? at->region.lower[0] : at->region.upper[0])
 OBSERVABLE_GET(region_y, measurement, k == 0 ? at->region.lower[1] : at->region.upper[1])
-OBSERVABLE_GET(region_radius, measurement, at->region.round ? at->region.radius : NAN)
+OBSERVABLE_GET(region_radius, measurement,
+               region_is_round(&at->region) ? at->region.outline.radius : NAN)
 OBSERVABLE_GET(region_open, measurement, at->open >> k & 1)
 OBSERVABLE_GET(cells_closed, measurement, at->has_cells ? (double)at->cells.n_closed : NAN)
 OBSERVABLE_GET(cells_open, measurement, at->has_cells ? (double)at->cells.n_open : NAN)

@@ -1,12 +1,65 @@
-/* region.c: areas and lengths within a rectangle or a drum (see configuration.h). */
+/* region.c: areas and lengths within a rectangle or a container (see configuration.h). */
 #include "measure/configuration.h"
 
 #include <math.h>
 
 #include "base/math.h"
 
+/* --- outlines --------------------------------------------------------------------------------- */
+
+/* Keeps the part of a polygon in which side * (coordinate c - at) <= 0. */
+static void cut(container_outline *o, int c, double side, double at) {
+  const container_outline whole = *o;
+  o->n = 0;
+  for (size_t k = 0; k < whole.n; k++) {
+    const double *p = whole.corner[k], *q = whole.corner[k + 1 < whole.n ? k + 1 : 0];
+    double u = side * (p[c] - at), v = side * (q[c] - at);
+    for (int i = 0; u <= 0.0 && i < 2; i++) o->corner[o->n][i] = p[i];
+    o->n += u <= 0.0;
+    if (!((u < 0.0 && v > 0.0) || (u > 0.0 && v < 0.0))) continue;
+    for (int i = 0; i < 2; i++) o->corner[o->n][i] = p[i] + (q[i] - p[i]) * (u / (u - v));
+    o->n++;
+  }
+}
+
+void region_use_outline(region *g, const container_outline *o, bool closed) {
+  if (o->n == 0 && o->radius == 0.0) return;
+  g->outline = *o;
+  if (closed) {
+    container_bounds(o, g->lower, g->upper);
+    return;
+  }
+  cut(&g->outline, 1, 1.0, g->upper[1]);
+  cut(&g->outline, 1, -1.0, g->lower[1]);
+}
+
+static double polygon_area(const container_outline *o) {
+  double area = 0.0;
+  for (size_t k = 1; k + 1 < o->n; k++) {
+    const double *a = o->corner[0], *p = o->corner[k], *q = o->corner[k + 1];
+    area += 0.5 * ((p[0] - a[0]) * (q[1] - a[1]) - (p[1] - a[1]) * (q[0] - a[0]));
+  }
+  return area;
+}
+
+/* Returns how far the point lies to the left of edge k of a polygon, times the edge's length. */
+static double inside_edge(const container_outline *o, size_t k, double x, double y) {
+  const double *p = o->corner[k], *q = o->corner[k + 1 < o->n ? k + 1 : 0];
+  return (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
+}
+
+static bool outline_holds(const container_outline *o, double x, double y) {
+  if (o->n == 0) return math_hypot(x - o->centre[0], y - o->centre[1]) <= o->radius;
+  for (size_t k = 0; k < o->n; k++)
+    if (inside_edge(o, k, x, y) < 0.0) return false;
+  return true;
+}
+
+static bool has_outline(const region *g) { return g->outline.n > 0 || region_is_round(g); }
+
 double region_area(const region *g) {
-  if (g->round) return M_PI * g->radius * g->radius;
+  const container_outline *o = &g->outline;
+  if (has_outline(g)) return o->n > 0 ? polygon_area(o) : M_PI * o->radius * o->radius;
   return (g->upper[0] - g->lower[0]) * (g->upper[1] - g->lower[1]);
 }
 
@@ -18,7 +71,7 @@ static double first_image(const region *g, int c, double at) {
 }
 
 bool region_holds(const region *g, double x, double y) {
-  if (g->round) return math_hypot(x - g->centre[0], y - g->centre[1]) <= g->radius;
+  if (has_outline(g)) return outline_holds(&g->outline, x, y);
   const double at[2] = {x, y};
   for (int c = 0; c < 2; c++) {
     if (g->whole[c]) continue;
@@ -92,8 +145,18 @@ static double rectangle_disk(const region *g, double x, double y, double radius)
   return region_circle_polygon(radius, 4, corner);
 }
 
+static double outline_disk(const container_outline *o, double x, double y, double radius) {
+  if (o->n == 0) return lens(math_hypot(x - o->centre[0], y - o->centre[1]), radius, o->radius);
+  double corner[CONTAINER_CORNERS][2];
+  for (size_t k = 0; k < o->n; k++) {
+    corner[k][0] = o->corner[k][0] - x;
+    corner[k][1] = o->corner[k][1] - y;
+  }
+  return region_circle_polygon(radius, o->n, (const double(*)[2])corner);
+}
+
 double region_disk(const region *g, double x, double y, double radius) {
-  if (g->round) return lens(math_hypot(x - g->centre[0], y - g->centre[1]), radius, g->radius);
+  if (has_outline(g)) return outline_disk(&g->outline, x, y, radius);
   double px = first_image(g, 0, x), py = first_image(g, 1, y), area = 0.0;
   int nx = g->image[0] > 0.0, ny = g->image[1] > 0.0;
   for (int j = -ny; j <= ny; j++)
@@ -121,8 +184,20 @@ static double rectangle_line(const region *g, const double p[2], const double d[
   return math_max(last - first, 0.0);
 }
 
+static double outline_line(const container_outline *o, double x, double y, double dx, double dy) {
+  if (o->n == 0) return outline_holds(o, x + 0.5 * dx, y + 0.5 * dy) ? 1.0 : 0.0;
+  double first = 0.0, last = 1.0;
+  for (size_t k = 0; k < o->n; k++) {
+    double from = inside_edge(o, k, x, y), to = inside_edge(o, k, x + dx, y + dy);
+    if (from < 0.0 && to < 0.0) return 0.0;
+    if (from < 0.0) first = math_max(first, from / (from - to));
+    if (to < 0.0) last = math_min(last, from / (from - to));
+  }
+  return math_max(last - first, 0.0);
+}
+
 double region_line(const region *g, double x, double y, double dx, double dy) {
-  if (g->round) return region_holds(g, x + 0.5 * dx, y + 0.5 * dy) ? 1.0 : 0.0;
+  if (has_outline(g)) return outline_line(&g->outline, x, y, dx, dy);
   double px = first_image(g, 0, x), py = first_image(g, 1, y), part = 0.0;
   int nx = g->image[0] > 0.0, ny = g->image[1] > 0.0;
   for (int j = -ny; j <= ny; j++)

@@ -43,7 +43,7 @@ static const deck_key top_keys[] = {
     {"box", GROUP, "-", NULL, "periodic directions"},
     {"materials", GROUPS, "required", NULL, "contact laws"},
     {"material_pairs", GROUPS, "-", NULL, "contact laws of different materials"},
-    {"container", GROUP, "-", NULL, "box, bed, hopper or drum made of walls"},
+    {"container", GROUP, "-", NULL, "box, hopper, drum and others, made of walls"},
     {"disks", GROUPS, "-", NULL, "disks, one by one"},
     {"disk_rows", GROUPS, "-", NULL, "disks, a row each"},
     {"disk_files", GROUPS, "-", NULL, "disks, from files"},

@@ -15,16 +15,6 @@ typedef struct sd_material {
   char *name;
 } sd_material;
 
-typedef enum sd_container_kind {
-  SD_CONTAINER_NONE,
-  SD_CONTAINER_BOX,
-  SD_CONTAINER_CHANNEL,
-  SD_CONTAINER_BED,
-  SD_CONTAINER_HOPPER,
-  SD_CONTAINER_DRUM,
-  SD_CONTAINER_PERIODIC
-} sd_container_kind;
-
 /* A rain releases the disks first ... first + count - 1 into the system in batches, lowest
  * numbers first; until its release a disk waits and touches nothing. Batch k is released k *
  * interval steps after the start: its disks are placed in rows between x = `lower` and `upper`,
@@ -153,7 +143,7 @@ struct sd_model {
   double gravity[2];         /* acceleration, -g (sin tilt, cos tilt) */
   double lower[2], upper[2]; /* edges of the box; valid along periodic directions only */
   bool periodic[2];
-  sd_container_kind container;
+  int container; /* its kind (model/containers.h); 0: none */
   /* Rectangle of the container or box; its area is that in the packing fraction. Equal edges:
    * none. */
   double region_lower[2], region_upper[2];

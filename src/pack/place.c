@@ -9,40 +9,7 @@
 
 #include "base/math.h"
 #include "base/memory.h"
-#include "base/quadrature.h"
 #include "model/walls.h"
-
-/* --- shape of the container ------------------------------------------------------------------- */
-
-double place_half_width(const place_interior *in, double y) {
-  if (in->kind == SD_CONTAINER_DRUM) {
-    double square = in->radius * in->radius - (y - in->y) * (y - in->y);
-    return square < 0 ? -1 : sqrt(square);
-  }
-  if (in->kind != SD_CONTAINER_HOPPER) return HUGE_VAL;
-  double height = y - in->y;
-  if (height < 0) return -1;
-  return height < in->rise ? in->bottom + (in->top - in->bottom) * (height / in->rise) : in->top;
-}
-
-typedef struct strip {
-  const place_interior *inside;
-  double lower, upper;
-} strip;
-
-static double width_at(double y, void *user) {
-  const strip *s = user;
-  double half = place_half_width(s->inside, y);
-  return math_max(0, math_min(s->upper, s->inside->x + half) -
-                         math_max(s->lower, s->inside->x - half));
-}
-
-double place_area(const place_interior *in, const double lower[2], const double upper[2]) {
-  if (in->kind != SD_CONTAINER_DRUM && in->kind != SD_CONTAINER_HOPPER)
-    return (upper[0] - lower[0]) * (upper[1] - lower[1]);
-  strip s = {in, lower[0], upper[0]};
-  return quadrature(width_at, &s, lower[1], upper[1]);
-}
 
 /* --- cell grid -------------------------------------------------------------------------------- */
 
@@ -147,10 +114,9 @@ sd_status place_add(place_space *s, double x, double y, double radius) {
   return status;
 }
 
-sd_status place_begin(place_space *s, const sd_model *m, size_t n_there,
-                      const place_interior *inside, const double lower[2], const double upper[2],
-                      size_t expected) {
-  *s = (place_space){.model = m, .interior = *inside};
+sd_status place_begin(place_space *s, const sd_model *m, size_t n_there, const container *inside,
+                      const double lower[2], const double upper[2], size_t expected) {
+  *s = (place_space){.model = m, .inside = inside};
   for (int c = 0; c < 2; c++) {
     s->lower[c] = lower[c];
     s->upper[c] = upper[c];
@@ -262,7 +228,8 @@ bool place_fits(const place_space *s, double x, double y, double radius) {
   for (int c = 0; c < 2; c++)
     if (s->edge[c] && (centre[c] - s->lower[c] < least || s->upper[c] - centre[c] < least))
       return false;
-  if (fabs(x - s->interior.x) > place_half_width(&s->interior, y)) return false;
+  double span[2], along = x - s->inside->origin[0];
+  if (!container_span(s->inside, y, span) || along < span[0] || along > span[1]) return false;
   return clear_of_disks(s, x, y, radius) && clear_of_walls(s, x, y, radius);
 }
 

@@ -8,6 +8,7 @@
 #define PACK_PLACE_H
 
 #include "base/gsl.h"
+#include "model/containers.h"
 #include "model/model.h"
 
 /* Relative tolerance of contact: a disk overlaps another only if their distance is less than (1 -
@@ -15,27 +16,9 @@
  * errors. */
 #define PLACE_SLACK 1e-10
 
-/* Shape of the inside of a container: hopper or drum, symmetric about the vertical line at x. Any
- * other kind is a rectangle. */
-typedef struct place_interior {
-  sd_container_kind kind;
-  double x, y;   /* middle of the outlet (hopper), or centre (drum) */
-  double radius; /* drum: radius */
-  /* hopper: bottom: half width at height y; top: half width from y + rise upwards; rise: height of
-   * the slope */
-  double bottom, top, rise;
-} place_interior;
-
-/* Returns half the width of the container at height y: negative where y is outside, infinite for a
- * rectangle, whose sides are given by place_space.edge. */
-double place_half_width(const place_interior *inside, double y);
-/* Returns the area of the part of the rectangle from lower to upper that lies inside the
- * container. */
-double place_area(const place_interior *inside, const double lower[2], const double upper[2]);
-
 typedef struct place_space {
   const sd_model *model;
-  place_interior interior;
+  const container *inside; /* centres stay inside */
   double lower[2], upper[2];
   /* edge[c]: true if the rectangle ends at lower[c] and upper[c]: disks stay between these edges,
    * and the grid, which spans the rectangle, also holds periodic images. False if the rectangle
@@ -59,9 +42,8 @@ typedef struct place_space {
 
 /* Initialises a space with the first n_there disks of the model as obstacles and a grid for about
  * `expected` new disks. Call place_end also when it fails. SD_ERROR_IO: out of memory. */
-sd_status place_begin(place_space *s, const sd_model *m, size_t n_there,
-                      const place_interior *inside, const double lower[2], const double upper[2],
-                      size_t expected);
+sd_status place_begin(place_space *s, const sd_model *m, size_t n_there, const container *inside,
+                      const double lower[2], const double upper[2], size_t expected);
 void place_end(place_space *s);
 
 /* Wraps coordinate c (0: x, 1: y) into the periodic box; returns it unchanged along an open

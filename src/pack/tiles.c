@@ -36,7 +36,7 @@ static double edge_of(const sd_tiles *t, size_t tile) {
 static sd_status fill_slab(const sd_model *m, size_t tile, gsl_rng *rng, const packing_spec *how,
                            size_t n, double *radius, double (*position)[2], size_t *placed) {
   const sd_tiles *t = &m->tiles;
-  const place_interior rectangle = {0};
+  const container rectangle = {0};
   const double lower[2] = {edge_of(t, tile), t->lower[1]},
                upper[2] = {edge_of(t, tile + 1), t->upper[1]};
   place_space space;

@@ -1,6 +1,7 @@
 /* Configurations with closed forms: lattices under known overlaps, a disk between walls, radical cells, rattlers, areas of
  * cut disks. Frames of runs as configurations: contacts against the engine's own forces, contacts that are found again,
  * disks that are not there. */
+#include "base/memory.h"
 #include "brief.h"
 #include "deck_runs.h"
 #include "measure/cells.h"
@@ -216,11 +217,12 @@ static void test_cells_in_drum(void **state) {
   system_disk(m, 1.0, 2.0, 0.5, 1.0);
   for (int k = 0; k < 6; k++)
     system_disk(m, 1.0 + cos(k * M_PI / 3), 2.0 + sin(k * M_PI / 3), 0.5, 1.0);
-  system_circle(m, 1.0, 2.0, 1.5, true);
+  size_t drum = system_circle(m, 1.0, 2.0, 1.5, true);
+  m->walls[drum].name = memory_text("drum");
   for (int k = 0; k < 2; k++) m->region_lower[k] = k - 0.5, m->region_upper[k] = k + 2.5;
   configuration c = at_start(m);
   region g = configuration_region(&c, NULL);
-  assert_true(g.round);
+  assert_true(g.outline.radius == 1.5);
   stress s = stress_of(&c, &g);
   SYSTEM_NEAR(s.fraction, 7.0 / 9.0, 1e-12, "packing fraction");
   cells t = cells_of(&c, NULL);
@@ -400,9 +402,38 @@ static void test_cut_disks(void **state) {
   }
   SYSTEM_NEAR(sum, all, 1e-14, "tiles");
   /* a drum: two circles whose centres are d apart */
-  region drum = {.round = true, .radius = 1.0};
+  region drum = {.outline.radius = 1.0};
   SYSTEM_NEAR(region_disk(&drum, 0.2, 0.1, 0.5), 0.25 * M_PI, 1e-15, "inside a drum");
   SYSTEM_NEAR(region_disk(&drum, 1.0, 0.0, 1.0), 2.0 * M_PI / 3.0 - 0.5 * sqrt(3.0), 1e-14, "lens");
+}
+
+/* Tiles over a hexagon of radius 1 have its area and disks' areas in it; a line through it has the
+ * length of its chord. */
+static void test_outline(void **state) {
+  container c = {.kind = SD_CONTAINER_POLYGON, .radius = 1, .sides = 6, .angle = 0.3};
+  container_shape(&c);
+  region hexagon = {0};
+  region_use_outline(&hexagon, &c.outline, true);
+  SYSTEM_NEAR(region_area(&hexagon), 1.5 * sqrt(3.0), 1e-14, "area");
+  SYSTEM_NEAR(region_disk(&hexagon, 0.1, 0.0, 0.5), 0.25 * M_PI, 1e-14, "a disk inside");
+  SYSTEM_NEAR(region_disk(&hexagon, 0.3, 0.1, 9.0), region_area(&hexagon), 1e-13, "covered");
+  const double middle = c.angle - M_PI / 2, x = sqrt(0.75) * cos(middle),
+               y = sqrt(0.75) * sin(middle);
+  SYSTEM_NEAR(region_disk(&hexagon, x, y, 0.4), 0.08 * M_PI, 1e-14, "half a disk on a side");
+  SYSTEM_NEAR(region_line(&hexagon, -2 * x, -2 * y, 4 * x, 4 * y), 0.5, 1e-14, "half of a line");
+  SYSTEM_NEAR(region_line(&hexagon, 0, 0, 2 * x, 2 * y), 0.5, 1e-14, "from the centre");
+  SYSTEM_NEAR(region_line(&hexagon, 2 * x, 2 * y, y, -x), 0.0, 0.0, "outside");
+  assert_true(region_holds(&hexagon, 0.99 * x, 0.99 * y) &&
+              !region_holds(&hexagon, 1.01 * x, 1.01 * y));
+  double area = 0.0, disk = 0.0;
+  for (int k = 0; k < 400; k++) {
+    region part = {.lower = {-2, -1.2 + 0.006 * k}, .upper = {2, -1.2 + 0.006 * (k + 1)}};
+    region_use_outline(&part, &c.outline, false);
+    area += part.outline.n > 0 ? region_area(&part) : 0.0;
+    disk += part.outline.n > 0 ? region_disk(&part, 0.7, 0.2, 0.5) : 0.0;
+  }
+  SYSTEM_NEAR(area, region_area(&hexagon), 1e-13, "slices of the hexagon");
+  SYSTEM_NEAR(disk, region_disk(&hexagon, 0.7, 0.2, 0.5), 1e-13, "slices of a disk");
 }
 
 static void frame_of(frame_data *f, const sd_model *m, const sd_state *s, bool contacts) {
@@ -569,5 +600,5 @@ static void test_absent_disks(void **state) {
 RUN_TESTS(TEST(test_triangular), TEST(test_square), TEST(test_part_of_lattice),
           TEST(test_disk_between_walls), TEST(test_cells_at_walls), TEST(test_cells_in_drum),
           TEST(test_radical_cells), TEST(test_many_radical_cells), TEST(test_flat_cells),
-          TEST(test_ideal_pairs), TEST(test_rattlers), TEST(test_cut_disks),
+          TEST(test_ideal_pairs), TEST(test_rattlers), TEST(test_cut_disks), TEST(test_outline),
           TEST(test_forces_of_a_run), TEST(test_recomputed_contacts), TEST(test_absent_disks))

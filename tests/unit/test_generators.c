@@ -204,7 +204,7 @@ static void check_clear(const sd_model *m, const double *lower, const double *up
 static size_t lattice(const sd_model *m, sd_packing_kind kind, double width, double height,
                       double spacing, double jitter, double (*position)[2], size_t most) {
   const double lower[2] = {0, 0}, upper[2] = {width, height};
-  place_interior inside = {0};
+  container inside = {0};
   place_space s;
   assert_int_equal(place_begin(&s, m, m->n_disks, &inside, lower, upper, most), SD_OK);
   size_t n = lattice_sites(&s, kind, spacing, most, position);
@@ -267,7 +267,7 @@ static void test_jitter(void **state) {
 enum { N = 2400 };
 static double radius[N], position[N][2];
 
-static size_t generate(const sd_model *m, const place_interior *inside, const double *lower,
+static size_t generate(const sd_model *m, const container *inside, const double *lower,
                        const double *upper, bool front, size_t n, const sizes *s) {
   place_space space;
   size_t placed = 0;
@@ -294,7 +294,7 @@ static const sizes narrow = {.kind = SD_SIZES_UNIFORM, .lower = 0.35, .upper = 0
 
 static void test_random(void **state) {
   const double lower[2] = {0, 0}, upper[2] = {30, 30};
-  place_interior inside = {0};
+  container inside = {0};
   for (int box = 0; box < 3; box++) {
     sd_model m = model_of(box > 0 ? 30 : 0, box > 1 ? 30 : 0);
     for (int k = 0; k < 2; k++) {
@@ -308,7 +308,7 @@ static void test_random(void **state) {
 /* Random sequential addition ends: the fraction of equal disks stays below 0.547, and what was placed is clear. */
 static void test_random_ends(void **state) {
   const double lower[2] = {0, 0}, upper[2] = {20, 20};
-  place_interior inside = {0};
+  container inside = {0};
   sd_model m = model_of(20, 20);
   sizes s = {.kind = SD_SIZES_MONO, .radius = 0.5, .lower = 0.5, .upper = 0.5};
   size_t placed = generate(&m, &inside, lower, upper, false, 400, &s), at = 0;
@@ -338,7 +338,7 @@ static int touching(const sd_model *m, const double *lower, const double *upper,
 
 static void test_front(void **state) {
   const double lower[2] = {0, 0}, upper[2] = {24, 28};
-  place_interior inside = {0};
+  container inside = {0};
   for (int box = 0; box < 3; box++)
     for (int k = 0; k < 2; k++) {
       sd_model m = model_of(box > 0 ? 24 : 0, box > 1 ? 28 : 0);
@@ -355,7 +355,7 @@ static void test_front(void **state) {
 /* All radii that were drawn are placed, in another order only. */
 static void test_front_keeps_radii(void **state) {
   const double lower[2] = {0, 0}, upper[2] = {24, 150};
-  place_interior inside = {0};
+  container inside = {0};
   sd_model m = model_of(0, 0);
   static double drawn[N];
   assert_int_equal(generate(&m, &inside, lower, upper, true, N, &narrow), N);
@@ -370,7 +370,7 @@ static void test_front_keeps_radii(void **state) {
 /* Equal disks on a floor of a whole number of diameters: the triangular lattice, layer by layer. */
 static void test_front_of_equal_disks(void **state) {
   const double lower[2] = {0, 0}, upper[2] = {10.5, 11};
-  place_interior inside = {0};
+  container inside = {0};
   sd_model m = model_of(0, 0);
   sizes s = {.kind = SD_SIZES_MONO, .radius = 0.5, .lower = 0.5, .upper = 0.5};
   assert_int_equal(generate(&m, &inside, lower, upper, true, 200, &s),
@@ -383,7 +383,7 @@ static void test_front_of_equal_disks(void **state) {
 
 static void test_obstacles(void **state) {
   const double lower[2] = {0, 0}, upper[2] = {20, 20};
-  place_interior inside = {0};
+  container inside = {0};
   sd_model m = model_of(20, 0);
   /* a large disk across the edge of the box, one that waits, a peg and a piece of wall */
   sd_disk disks[2] = {{.position = {19.5, 6}, .radius = 3},
@@ -413,27 +413,39 @@ static void test_obstacles(void **state) {
   }
 }
 
+/* Half the width of a symmetric container at height y; negative: outside. */
+static double half_width(const container *c, double y) {
+  double span[2];
+  if (!container_span(c, y, span)) return -1;
+  assert_true(span[0] == -span[1]);
+  return span[1];
+}
+
 static void test_interiors(void **state) {
-  place_interior drum = {.kind = SD_CONTAINER_DRUM, .x = 1, .y = 2, .radius = 5};
+  container drum = {.kind = SD_CONTAINER_DRUM, .origin = {1, 2}, .radius = 5};
+  container_shape(&drum);
   const double low[2] = {-4, -3}, high[2] = {6, 7}, half_low[2] = {1, -3}, half_high[2] = {6, 2};
-  near_to(place_area(&drum, low, high), M_PI * 25, 1e-6, "area of a drum");
-  near_to(place_area(&drum, half_low, half_high), M_PI * 25 / 4, 1e-6, "area of a quarter");
-  near_to(place_half_width(&drum, 5), 4, 1e-12, "half a chord");
-  assert_true(place_half_width(&drum, 7.1) < 0);
+  near_to(container_area(&drum, low, high), M_PI * 25, 1e-6, "area of a drum");
+  near_to(container_area(&drum, half_low, half_high), M_PI * 25 / 4, 1e-6, "area of a quarter");
+  near_to(half_width(&drum, 5), 4, 1e-12, "half a chord");
+  assert_true(half_width(&drum, 7.1) < 0);
   /* 2 at the outlet, 8 from y = 3 on */
-  place_interior hopper = {
-      .kind = SD_CONTAINER_HOPPER, .x = 0, .y = 0, .bottom = 1, .top = 4, .rise = 3};
+  container hopper = {
+      .kind = SD_CONTAINER_HOPPER, .width = 8, .height = 10, .outlet = 2, .open = true};
+  hopper.angle = M_PI / 4;
+  container_shape(&hopper);
   const double lower[2] = {-4, 0}, upper[2] = {4, 10};
-  near_to(place_area(&hopper, lower, upper), 5 * 3 + 8 * 7, 1e-6, "area of a hopper");
-  near_to(place_half_width(&hopper, 1.5), 2.5, 1e-12, "half the width of a hopper");
-  assert_true(place_half_width(&hopper, -0.1) < 0);
-  place_interior box = {0};
-  near_to(place_area(&box, lower, upper), 80, 1e-12, "area of a rectangle");
+  near_to(container_area(&hopper, lower, upper), 5 * 3 + 8 * 7, 1e-6, "area of a hopper");
+  near_to(half_width(&hopper, 1.5), 2.5, 1e-12, "half the width of a hopper");
+  assert_true(half_width(&hopper, -0.1) < 0);
+  container box = {0};
+  near_to(container_area(&box, lower, upper), 80, 1e-12, "area of a rectangle");
 }
 
 /* The drum's wall keeps disks in; in the corners of its square there are none. */
 static void test_drum(void **state) {
-  place_interior drum = {.kind = SD_CONTAINER_DRUM, .x = 3, .y = 0, .radius = 9};
+  container drum = {.kind = SD_CONTAINER_DRUM, .origin = {3, 0}, .radius = 9};
+  container_shape(&drum);
   sd_wall wall = {.kind = SD_WALL_CIRCLE, .pivot = {3, 0}, .radius = 9, .inside = true};
   const double lower[2] = {-6, -9}, upper[2] = {12, 9};
   sd_model m = model_of(0, 0);

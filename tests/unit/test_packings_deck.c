@@ -1,5 +1,6 @@
 /* test_packings_deck.c: containers and packings of decks: what arrives in the model, and that the echo makes the same
  * disks again. Then those that are refused, and with which words. */
+#include "model/containers.h"
 #include "model/model.h"
 #include "model/state.h"
 #include "packings_decks.h"
@@ -112,6 +113,18 @@ static void test_drum_and_periodic(void **state) {
   const sd_wall *drum = wall_of(m, "drum");
   assert_true(drum->kind == SD_WALL_CIRCLE && drum->inside && drum->radius == 4);
   assert_true(drum->pivot[0] == 1 && drum->pivot[1] == 2);
+  sd_model_free(m);
+  m = good(HEAD ONE "container = { type = \"polygon\"; radius = 4; sides = 4; origin = (1, 2); };");
+  const double half = 4 / sqrt(2);
+  check_region(m, 1 - half, 1 + half, 2 - half, 2 + half, false, false);
+  check_points(
+      m, "polygon", 4,
+      (const double[4][2]){
+          {1 - half, 2 - half}, {1 + half, 2 - half}, {1 + half, 2 + half}, {1 - half, 2 + half}});
+  const sd_wall *square = wall_of(m, "polygon");
+  assert_true(square->kind == SD_WALL_POLYLINE && square->closed);
+  near_to(square->pivot[0], 1, "x about which it turns");
+  near_to(square->pivot[1], 2, "y about which it turns");
   sd_model_free(m);
   m = good(HEAD ONE
            "container = { type = \"periodic\"; width = 10; height = 8; origin = (1, 2); };");
@@ -389,7 +402,7 @@ static void test_container_mistakes(void **state) {
       "box.periodic = \"y\": given together with container \"channel\", which is periodic in x");
   refused(CONTAINER("type = \"bag\"; width = 10;"),
           "container.type = \"bag\": expected one of \"box\", \"channel\", \"bed\", \"hopper\", "
-          "\"drum\", \"periodic\"; did you mean \"box\"?");
+          "\"drum\", \"polygon\", \"periodic\"; did you mean \"box\"?");
   refused(CONTAINER("type = \"box\"; width = 10;"),
           "container.height: missing: type \"box\" needs it (inner height)");
   refused(CONTAINER("type = \"box\"; width = 10; height = -1;"),
@@ -403,6 +416,8 @@ static void test_container_mistakes(void **state) {
       "container.angle = \"pi/2\": expected an inclination from 0 to 1.5, less than a right angle");
   refused(CONTAINER("type = \"hopper\"; width = 10; height = 4; outlet = 2; angle = \"45 deg\";"),
           "container.height = 4: the inclined walls alone are 4 high; expected more");
+  refused(CONTAINER("type = \"polygon\"; radius = 4; sides = 2;"),
+          "container.sides = 2: expected from 3 to 64");
   refused(CONTAINER("type = \"bed\"; width = 10; height = 8; radius = 1e-9;"),
           "container.spacing: the floor would have 5e+09 disks; expected 1e6 at most");
   refused(CONTAINER("type = \"box\"; width = 10; height = 8; material = \"steel\";"),
@@ -592,7 +607,7 @@ static void test_rain_mistakes(void **state) {
   refused(HEAD BOX RAIN("rows = 0; "), "packings[0].rows = 0: expected a whole number >= 1");
   refused(HEAD PERIODIC RAIN(""), "packings[0]: rain cannot fall in a box that is periodic in y");
   refused(HEAD DRUM RAIN(""),
-          "packings[0]: rain in a drum needs x and y, a rectangle that lies inside the drum");
+          "packings[0]: rain needs x and y, a rectangle that lies inside the container");
   refused(HEAD DRUM RAIN("x = (-2, 2); y = (0, 1.5); "),
           "packings[0].rows: a batch is 2 high, the region only 1.5");
   refused("dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; } );" BOX RAIN(""),

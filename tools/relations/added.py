@@ -139,6 +139,7 @@ SIZES = {"uniform": {"sizes": "uniform", "lower": 0.04, "upper": 0.05}, "mono": 
 packed("square in a channel", {"type": "channel", "width": 0.6, "height": 0.9}, type="square", count=40, jitter=0.3, x=[-0.3, 0.3], y=[0.0, 0.9])
 packed("triangular on a bed", {"type": "bed", "width": 0.6, "height": 0.9, "radius": 0.05, "spacing": 0.12}, type="triangular", count=12)
 packed("front in a drum", {"type": "drum", "radius": 0.4}, type="front", count=30)
+packed("random in a polygon", {"type": "polygon", "radius": 0.5, "sides": 5, "angle": 0.2}, type="random", count=20)
 packed("random in a hopper", {"type": "hopper", "width": 0.8, "height": 0.9, "outlet": 0.2, "angle": 0.9}, type="random", count=20)
 packed("random in a periodic box", {"type": "periodic", "width": 0.7, "height": 0.7}, type="random", fraction=0.5)
 packed("clumps in a box", {"type": "box", "width": 0.7, "height": 0.9, "open": False}, type="random", count=8,

@@ -150,13 +150,14 @@ void measure_page(FILE *out, const measurement *m) {
   else
     fprintf(out, "last state");
   fprintf(out, ", step %" PRId64 ", time %.6g\n", m->c.step, m->c.time);
-  if (g->round)
-    fprintf(out, "region: the drum of radius %.6g about (%.6g, %.6g), area %.6g\n", g->radius,
-            g->centre[0], g->centre[1], m->s.area);
+  if (region_is_round(g))
+    fprintf(out, "region: the drum of radius %.6g about (%.6g, %.6g), area %.6g\n",
+            g->outline.radius, g->outline.centre[0], g->outline.centre[1], m->s.area);
   else
-    fprintf(out, "region: x %.6g to %.6g%s, y %.6g to %.6g%s, area %.6g\n", g->lower[0],
+    fprintf(out, "region: x %.6g to %.6g%s, y %.6g to %.6g%s,%s area %.6g\n", g->lower[0],
             g->upper[0], g->whole[0] ? " (periodic)" : "", g->lower[1], g->upper[1],
-            g->whole[1] ? " (periodic)" : "", m->s.area);
+            g->whole[1] ? " (periodic)" : "", g->outline.n > 0 ? " inside the walls," : "",
+            m->s.area);
   if (m->open) {
     bool given = m->c.model->region_upper[0] > m->c.model->region_lower[0];
     fputs(given ? "open at the" : "the deck gives no region, this one is about the disks", out);
@@ -225,7 +226,7 @@ json_t *measure_json(const measurement *m) {
   for (int k = 0; k < 4; k++)
     if (m->open >> k & 1) json_array_append_new(open, json_string(sides[k]));
   json_put(frame, "region.open", open);
-  if (!m->region.round) json_object_del(json_object_get(frame, "region"), "radius");
+  if (!region_is_round(&m->region)) json_object_del(json_object_get(frame, "region"), "radius");
   if (!m->has_cells) json_object_set_new(frame, "cells", json_null());
   if (!m->pairs.pairs) json_object_set_new(frame, "pairs", json_null());
   drop_histogram(json_object_get(frame, "normal_force"), &m->pairs.normal);

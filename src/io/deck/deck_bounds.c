@@ -85,12 +85,11 @@ static void limit_side(const deck *d, const char *wall, int c, bool upper, doubl
 
 static void follow_container(const deck *d) {
   const sd_model *m = d->model;
-  bool drum = m->container == SD_CONTAINER_DRUM, hopper = m->container == SD_CONTAINER_HOPPER;
-  double margin = largest_radius(m);
-  limit_side(d, drum ? "drum" : "left", SD_X, false, margin);
-  limit_side(d, drum ? "drum" : "right", SD_X, true, margin);
-  limit_side(d, drum ? "drum" : hopper ? "left" : "floor", SD_Y, false, hopper ? 0 : margin);
-  limit_side(d, drum ? "drum" : "lid", SD_Y, true, margin);
+  const container_kind *kind = container_kind_of(m->container);
+  for (int side = 0; side < 4; side++)
+    if (kind->sides[side])
+      limit_side(d, kind->sides[side], side / 2, side % 2,
+                 side == 2 && kind->outlet ? 0 : largest_radius(m));
 }
 
 /* --- bounds without container ----------------------------------------------------------------- */

@@ -1,5 +1,5 @@
-/* deck_container.c: the group `container`: a box, a bed, a hopper or a drum, made of walls. See
- * deck_tree.h.
+/* deck_container.c: the group `container`: walls around the disks, by the rows of
+ * model/containers.h. See deck_tree.h.
  *
  * The geometry of the container (region, periodic box, interior) is read before disks; the walls
  * and floor disks of the container are added after the bodies that the deck lists, so that the
@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_result.h"
+#include "model/containers.h"
 #include "model/walls.h"
 
 static const char floor_group[] = "floor";
@@ -70,26 +71,6 @@ void deck_read_box(deck *d) {
 
 /* --- geometry --------------------------------------------------------------------------------- */
 
-static void read_hopper(deck_group *g, const deck_container_values *v, place_interior *in) {
-  deck *d = g->d;
-  size_t before = d->reported;
-  if (!(v->angle >= 0 && v->angle < 1.5))
-    deck_fail_key(g, "angle", "expected an inclination from 0 to 1.5, less than a right angle");
-  if (v->outlet >= v->width)
-    deck_fail_key(g, "outlet", "expected less than the width, %g", v->width);
-  in->bottom = v->outlet / 2;
-  in->top = v->width / 2;
-  in->rise = (v->width - v->outlet) / 2 * math_tan(v->angle);
-  if (d->reported == before && in->rise >= v->height * (1 - 1e-9))
-    deck_fail_key(g, "height", "the inclined walls alone are %g high; expected more", in->rise);
-}
-
-/* Returns the directions in which a kind of container is periodic, as bits: 1 is x, 2 is y. */
-static unsigned repeats(int kind) {
-  if (kind == SD_CONTAINER_PERIODIC) return 3;
-  return kind == SD_CONTAINER_CHANNEL || kind == SD_CONTAINER_BED ? 1 : 0;
-}
-
 /* Reports the keys of the group `box` that contradict the container. */
 static void check_box(deck *d, const deck_shape *shape) {
   static const char *const keys[] = {"x", "y"}, *const directions[] = {"no direction", "x", "y",
@@ -102,44 +83,40 @@ static void check_box(deck *d, const deck_shape *shape) {
   const deck_node *periodic = deck_child(box, "periodic");
   if (periodic && periodic->type == DECK_STRING && strcmp(periodic->value.text, "none") != 0)
     deck_fail(d, periodic, "given together with container \"%s\", which is periodic in %s",
-              shape->name, directions[repeats(shape->kind)]);
+              shape->name, directions[container_kind_of(shape->kind)->periodic]);
 }
 
-/* Sets the region of the model. The container's origin is the centre of a drum, the lower left
- * corner of a periodic box, and the middle of the lower edge of all other containers. */
-static void set_region(sd_model *m, const deck_container_values *v) {
-  bool drum = v->kind == SD_CONTAINER_DRUM;
-  double size[2] = {drum ? 2 * v->radius : v->width, drum ? 2 * v->radius : v->height};
-  double left = v->kind == SD_CONTAINER_PERIODIC ? 0 : size[0] / 2, below = drum ? v->radius : 0;
-  const double lower[2] = {v->origin[0] - left, v->origin[1] - below};
-  const double upper[2] = {v->origin[0] + (left > 0 ? left : size[0]),
-                           v->origin[1] + (drum ? below : size[1])};
-  for (int c = 0; c < 2; c++) {
-    m->region_lower[c] = lower[c];
-    m->region_upper[c] = upper[c];
-    if (!(repeats((int)v->kind) >> c & 1)) continue;
-    m->periodic[c] = true;
-    m->lower[c] = lower[c];
-    m->upper[c] = upper[c];
+static void set_region(sd_model *m, const container *c) {
+  double lower[2], upper[2];
+  container_bounds(&c->outline, lower, upper);
+  for (int i = 0; i < 2; i++) {
+    m->region_lower[i] = c->origin[i] + lower[i];
+    m->region_upper[i] = c->origin[i] + upper[i];
+    if (!(container_kind_of(c->kind)->periodic >> i & 1)) continue;
+    m->periodic[i] = true;
+    m->lower[i] = m->region_lower[i];
+    m->upper[i] = m->region_upper[i];
   }
 }
 
 void deck_read_container(deck *d) {
   deck_node *node = deck_child(d->root, "container");
   deck_group g;
-  deck_container_values *v = d->container = deck_alloc(d, 1, sizeof *v);
-  if (!node || !deck_enter(d, node, &deck_container, &g)) return;
+  container *c = d->container = deck_alloc(d, 1, sizeof *c);
+  c->open = true;
+  if (!node || !deck_enter(d, node, &container_table, &g)) return;
   size_t before = d->reported;
-  if (!deck_fill(&g, v)) return;
-  v->interior =
-      (place_interior){.kind = v->kind, .x = v->origin[0], .y = v->origin[1], .radius = v->radius};
-  if (v->kind == SD_CONTAINER_HOPPER && d->reported == before) read_hopper(&g, v, &v->interior);
+  if (!deck_fill(&g, c)) return;
+  if (d->reported == before) container_shape(c);
+  if (c->key) deck_fail_key(&g, c->key, "%s", c->expected);
   if (d->reported > before) return;
-  d->model->container = v->kind;
-  set_region(d->model, v);
+  d->model->container = (int)c->kind;
+  set_region(d->model, c);
   check_box(d, deck_shape_of(&g, "type"));
-  if (v->kind != SD_CONTAINER_PERIODIC || deck_get(&g, "material") || d->model->n_materials == 1)
-    v->material = deck_material(&g);
+  const container_kind *kind = container_kind_of(c->kind);
+  bool has_bodies = kind->walls[0].name || kind->disk_floor;
+  if (has_bodies || deck_get(&g, "material") || d->model->n_materials == 1)
+    d->container_material = deck_material(&g);
 }
 
 /* --- walls ------------------------------------------------------------------------------------ */
@@ -153,46 +130,32 @@ static sd_wall *add_wall(deck *d, const char *name, sd_wall_kind kind) {
                     "it has a wall \"%s\", but a wall or a disk of the deck is called so", name);
   m->walls = memory_grow(m->walls, m->n_walls + 1, sizeof *m->walls);
   sd_wall *wall = &m->walls[m->n_walls++];
-  *wall = (sd_wall){.material = d->container->material, .kind = kind};
+  *wall = (sd_wall){.material = d->container_material, .kind = kind};
   wall->name = memory_text(name);
   return wall;
 }
 
-static void add_straight(deck *d, const char *name, sd_wall_kind kind, size_t n,
-                         const double (*points)[2]) {
-  sd_wall *wall = add_wall(d, name, kind);
-  wall->points = memory_new(n, sizeof *wall->points);
-  wall->n_points = n;
-  memcpy(wall->points, points, n * sizeof *points);
-  wall_set_pivot(wall);
-}
-
-static void add_line(deck *d, const char *name, double x0, double y0, double x1, double y1) {
-  add_straight(d, name, SD_WALL_LINE, 2, (const double[2][2]){{x0, y0}, {x1, y1}});
-}
-
-/* Adds the two side walls of a hopper, each from the top down to the outlet. */
-static void add_hopper(deck *d, double top) {
-  const place_interior *in = &d->container->interior;
-  for (int side = -1; side <= 1; side += 2) {
-    const double points[3][2] = {{in->x + side * in->top, top},
-                                 {in->x + side * in->top, in->y + in->rise},
-                                 {in->x + side * in->bottom, in->y}};
-    add_straight(d, side < 0 ? "left" : "right", SD_WALL_POLYLINE, 3, points);
-  }
-}
-
-static void add_drum(deck *d) {
-  sd_wall *drum = add_wall(d, "drum", SD_WALL_CIRCLE);
-  drum->inside = true;
-  drum->radius = d->container->radius;
-  memcpy(drum->pivot, d->container->origin, sizeof drum->pivot);
+static void add_along(deck *d, const container_wall *row) {
+  const container *c = d->container;
+  const container_outline *o = &c->outline;
+  sd_wall *wall = add_wall(d, row->name, row->kind);
+  wall->n_points = row->n > 0 ? (size_t)row->n : o->n;
+  wall->closed = row->n == 0 && o->n > 0;
+  if (wall->n_points > 0) wall->points = memory_new(wall->n_points, sizeof *wall->points);
+  for (size_t k = 0; k < wall->n_points; k++)
+    for (int i = 0; i < 2; i++)
+      wall->points[k][i] = c->origin[i] + o->corner[row->n > 0 ? (size_t)row->corner[k] : k][i];
+  if (o->n > 0) wall_set_pivot(wall);
+  if (row->n > 0) return;
+  memcpy(wall->pivot, c->origin, sizeof wall->pivot);
+  wall->radius = o->radius;
+  wall->inside = o->n == 0;
 }
 
 /* Adds the floor of a bed: a row of fixed disks whose tops touch the lower edge of the region. */
 static void add_bed(deck *d) {
   const sd_model *m = d->model;
-  deck_group g = {d, deck_child(d->root, "container"), &deck_container, NULL};
+  deck_group g = {d, deck_child(d->root, "container"), &container_table, NULL};
   uint32_t group;
   if (deck_index_find(&d->groups, floor_group, &group))
     deck_fail_key(&g, "type", "its floor is the group \"%s\", but the deck has disks in this group",
@@ -211,7 +174,7 @@ static void add_bed(deck *d) {
         .radius = radius,
         /* Any mass will do, since the disk is fixed */
         .mass = 3.14159265358979323846 * radius * radius,
-        .material = d->container->material,
+        .material = d->container_material,
         .group = deck_group_number(d, floor_group),
         .driven = true};
     deck_push_disk(d, &disk, NULL, g.node->place);
@@ -219,21 +182,10 @@ static void add_bed(deck *d) {
 }
 
 void deck_container_bodies(deck *d) {
-  const sd_model *m = d->model;
-  const double *low = m->region_lower, *high = m->region_upper;
-  switch (m->container) {
-    case SD_CONTAINER_NONE:
-    case SD_CONTAINER_PERIODIC: break;
-    case SD_CONTAINER_BED: add_bed(d); break;
-    case SD_CONTAINER_HOPPER: add_hopper(d, high[1]); break;
-    case SD_CONTAINER_DRUM: add_drum(d); break;
-    case SD_CONTAINER_BOX:
-    case SD_CONTAINER_CHANNEL:
-      add_line(d, "floor", low[0], low[1], high[0], low[1]);
-      if (m->container == SD_CONTAINER_CHANNEL) break;
-      add_line(d, "left", low[0], high[1], low[0], low[1]);
-      add_line(d, "right", high[0], low[1], high[0], high[1]);
-      if (!d->container->open) add_line(d, "lid", high[0], high[1], low[0], high[1]);
-      break;
+  const container_kind *kind = container_kind_of(d->model->container);
+  if (kind->disk_floor) add_bed(d);
+  for (const container_wall *wall = kind->walls; wall->name; wall++) {
+    bool lid = kind->sides[3] && strcmp(wall->name, kind->sides[3]) == 0;
+    if (!lid || !d->container->open) add_along(d, wall);
   }
 }

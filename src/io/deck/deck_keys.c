@@ -8,6 +8,7 @@
 #include "io/deck/deck_read.h"
 #include "io/deck/deck_rows.h"
 #include "io/deck/deck_values.h"
+#include "model/containers.h"
 #include "model/field_kinds.h"
 #include "model/laws.h"
 #include "model/motions.h"
@@ -153,42 +154,6 @@ static const deck_key wall_keys[] = {
     {"side", CHOICE, "-", sides, "circle: where the disks are", SETS(sd_wall, inside)},
 };
 TABLE(deck_walls, "walls", false, "A wall stands still unless motions move it.", wall_keys);
-
-static const deck_shape container_kinds[] = {
-    {"box", SD_CONTAINER_BOX, "width* height* open",
-     "walls `floor`, `left`, `right`, and `lid` unless open; straight lines"},
-    {"channel", SD_CONTAINER_CHANNEL, "width* height*", "periodic in x over a flat wall `floor`"},
-    {"bed", SD_CONTAINER_BED, "width* height* radius* spacing",
-     "periodic in x over fixed disks, group `floor`"},
-    {"hopper", SD_CONTAINER_HOPPER, "width* height* outlet* angle*",
-     "walls `left` and `right`, inclined towards the outlet at the origin"},
-    {"drum", SD_CONTAINER_DRUM, "radius*", "round wall `drum`, disks inside"},
-    {"periodic", SD_CONTAINER_PERIODIC, "width* height*", "periodic in x and y, no walls"},
-    LAST_WORD,
-};
-
-static const deck_key container_keys[] = {
-    {"type", CHOICE, "required", container_kinds, "see below", SETS(deck_container_values, kind)},
-    {"width", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "inner width",
-     SETS(deck_container_values, width)},
-    {"height", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "inner height",
-     SETS(deck_container_values, height)},
-    {"radius", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "of a drum; of the floor disks of a bed",
-     SETS(deck_container_values, radius)},
-    {"spacing", NUMBER(DECK_POSITIVE, "length"), "(twice the radius)", NULL,
-     "bed: distance of floor disks, fitted to the width"},
-    {"outlet", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "hopper: width of its opening",
-     SETS(deck_container_values, outlet)},
-    {"angle", ANGLE("rad"), "-", NULL, "hopper: inclination of its lower walls, 0: a flat bottom",
-     SETS(deck_container_values, angle)},
-    {"origin", NUMBERS(DECK_ANY, "length"), "(0.0, 0.0)", NULL,
-     "middle of floor or outlet; centre of a drum; lower left corner of a periodic box",
-     SETS(deck_container_values, origin)},
-    {"open", BOOL, "true", NULL, "box: without a lid", SETS(deck_container_values, open)},
-    {"material", TEXT, "(the only one)", NULL, "material of its walls"},
-};
-TABLE(deck_container, "container", true,
-      "Walls around the disks; also the region of `packings` and `bounds`.", container_keys);
 
 static const deck_shape packing_kinds[] = {
     {"triangular", SD_PACKING_TRIANGULAR, "count spacing jitter tiles",
@@ -366,7 +331,7 @@ TABLE_EITHER(deck_sweep_parameters, "sweep.parameters", false, "A parameter and 
 
 const deck_table *const deck_tables[] = {
     &deck_top,           &deck_gravity, &deck_box,       &deck_materials,        &deck_pairs,
-    &deck_container,     &deck_disks,   &deck_disk_rows, &deck_disk_files,       &deck_packings,
+    &container_table,    &deck_disks,   &deck_disk_rows, &deck_disk_files,       &deck_packings,
     &deck_packing_clump, &deck_clumps,  &deck_bounds,    &deck_forces,           &deck_locks,
     &deck_walls,         &deck_motions, &deck_fields,    &deck_phases,           &deck_settle,
     &deck_compress,      &deck_cell,    &deck_output,    &deck_measure,          &deck_sliding,

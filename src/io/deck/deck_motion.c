@@ -259,18 +259,19 @@ static uint32_t wall_called(const sd_model *m, const char *name) {
  * segment, or, for an infinite line, the period of the box along it or the distance of the two
  * adjacent walls of the container (motion->beside), which may move. */
 static void read_length(deck_group *g, sd_motion *motion, const sd_wall *wall, int coordinate) {
-  static const char *const beside[2][2] = {{"left", "right"}, {"floor", "lid"}};
   const sd_model *m = g->d->model;
   int across = coordinate == SD_X ? SD_Y : SD_X;
+  const container_kind *kind = container_kind_of(m->container);
+  const char *const *beside = &kind->sides[2 * across];
   if (deck_given(g, "length")) return;
   if (wall->kind == SD_WALL_SEGMENT && wall->n_points == 2) {
     motion->length = math_hypot(wall->points[1][0] - wall->points[0][0],
                                 wall->points[1][1] - wall->points[0][1]);
   } else if (wall->kind == SD_WALL_LINE && m->periodic[across]) {
     motion->length = m->upper[across] - m->lower[across];
-  } else if (wall->kind == SD_WALL_LINE && m->container == SD_CONTAINER_BOX) {
+  } else if (wall->kind == SD_WALL_LINE && kind->rectangle && beside[0] && beside[1]) {
     motion->length = m->region_upper[across] - m->region_lower[across];
-    for (int k = 0; k < 2; k++) motion->beside[k] = wall_called(m, beside[across][k]);
+    for (int k = 0; k < 2; k++) motion->beside[k] = wall_called(m, beside[k]);
   } else {
     deck_fail_key(g, "length",
                   "missing: expected the length of the wall that the pressure acts on");

@@ -33,11 +33,6 @@ typedef struct packing {
 
 /* --- region ----------------------------------------------------------------------------------- */
 
-/* Returns true if the container is closed at the top. */
-static bool has_lid(const deck *d) {
-  return d->model->container == SD_CONTAINER_BOX && !d->container->open;
-}
-
 static void check_edges(packing *p, int c) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
@@ -52,7 +47,7 @@ static void check_edges(packing *p, int c) {
     return;
   }
   if (m->container == SD_CONTAINER_NONE || m->periodic[c]) return;
-  bool open = c == SD_Y && !has_lid(d);
+  bool open = c == SD_Y && d->container->open;
   double slack = 1e-12 * (m->region_upper[c] - m->region_lower[c]);
   if (p->lower[c] < m->region_lower[c] - slack ||
       (p->upper[c] > m->region_upper[c] + slack && !open))
@@ -85,7 +80,7 @@ static void read_region(packing *p) {
     check_edges(p, c);
   }
   if (broken || d->reported > before) return;
-  p->area = place_area(&d->container->interior, p->lower, p->upper);
+  p->area = container_area(d->container, p->lower, p->upper);
   if (!(p->area > 0)) deck_fail(d, p->g.node, "its region lies outside the container");
 }
 
@@ -210,8 +205,8 @@ static bench open_bench(const packing *p, double capacity) {
   bench b = {.capacity = (size_t)capacity};
   b.radius = deck_alloc(d, b.capacity, sizeof *b.radius);
   b.position = deck_alloc(d, b.capacity, sizeof *b.position);
-  b.status = place_begin(&b.space, d->model, d->model->n_disks, &d->container->interior, p->lower,
-                         p->upper, b.capacity);
+  b.status = place_begin(&b.space, d->model, d->model->n_disks, d->container, p->lower, p->upper,
+                         b.capacity);
   b.rng = sizes_random(d->model->seed, p->spec.number);
   return b;
 }
@@ -320,7 +315,6 @@ static void wait_above(sd_tiles *t, double height, double spacing) {
 static void check_tiles(packing *p) {
   deck_group *g = &p->g;
   const double wide = (p->upper[0] - p->lower[0]) / (double)p->spec.tiles;
-  const sd_container_kind kind = p->g.d->container->interior.kind;
   if (p->spec.count == 0)
     deck_fail_key(g, "count", "missing: expected the number of disks, which tiles share");
   else if (p->spec.tiles > p->spec.count)
@@ -333,7 +327,7 @@ static void check_tiles(packing *p) {
         "each is %g wide; expected fewer, so that a disk of radius %g fits between their edges",
         wide, p->spec.sizes.upper);
   if (p->grain.at) deck_fail_key(g, "tiles", "clumps are not made in tiles");
-  if (!rain && (kind == SD_CONTAINER_HOPPER || kind == SD_CONTAINER_DRUM))
+  if (!rain && !container_kind_of(p->g.d->model->container)->rectangle)
     deck_fail_key(g, "tiles", "expected a container that is a rectangle");
 }
 
@@ -422,30 +416,24 @@ static double fall_time(const sd_model *m, double height, double speed) {
 /* Returns the lowest height at which the container is as wide as the rain that falls into it. */
 static double rain_floor(packing *p) {
   deck *d = p->g.d;
-  const place_interior *in = &d->container->interior;
-  double half = math_max(in->x - p->lower[0], p->upper[0] - in->x);
-  if (in->kind == SD_CONTAINER_DRUM) {
-    double low = place_half_width(in, p->lower[1]), high = place_half_width(in, p->upper[1]);
-    if (math_min(low, high) < half * (1 - 1e-12))
-      deck_fail(d, p->g.node,
-                "rain in a drum needs x and y, a rectangle that lies inside the drum");
-  }
-  if (in->kind != SD_CONTAINER_HOPPER || half <= in->bottom) return p->lower[1];
-  return math_max(p->lower[1],
-                  in->y + in->rise * math_min(1, (half - in->bottom) / (in->top - in->bottom)));
+  const container *in = d->container;
+  double x = in->origin[0], half = math_max(x - p->lower[0], p->upper[0] - x);
+  if (in->open) return math_max(p->lower[1], container_wide_from(in, half));
+  if (!container_holds(in, p->lower, p->upper))
+    deck_fail(d, p->g.node, "rain needs x and y, a rectangle that lies inside the container");
+  return p->lower[1];
 }
 
 static void check_rain(packing *p, double height) {
   deck *d = p->g.d;
   const sd_model *m = d->model;
-  bool under_lid = has_lid(d) || m->container == SD_CONTAINER_DRUM;
   if (m->periodic[SD_Y]) deck_fail(d, p->g.node, "rain cannot fall in a box that is periodic in y");
-  if (under_lid && height > p->upper[1] - p->lower[1])
+  if (!d->container->open && height > p->upper[1] - p->lower[1])
     deck_fail_key(&p->g, "rows", "a batch is %g high, the region only %g", height,
                   p->upper[1] - p->lower[1]);
   if (m->container != SD_CONTAINER_NONE)
     check_area(p, (double)p->spec.count,
-               place_area(&d->container->interior, m->region_lower, m->region_upper));
+               container_area(d->container, m->region_lower, m->region_upper));
 }
 
 /* Returns a height above the region and above all disks made so far, including those that wait to

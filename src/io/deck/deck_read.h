@@ -101,9 +101,9 @@ void deck_warn_tilt(const deck *d, double tilt, deck_place place, sd_messages *m
  * (model/keys.h); a test compares docs/deck.md with them in both directions. Tables whose keys set
  * members of the model are in model/keys.h; those below are for bodies, motions and sweeps. */
 
-extern const deck_table deck_materials, deck_pairs, deck_container, deck_disks, deck_disk_rows,
-    deck_disk_files, deck_packings, deck_packing_clump, deck_clumps, deck_forces, deck_locks,
-    deck_walls, deck_motions, deck_sweeps, deck_sweep_parameters;
+extern const deck_table deck_materials, deck_pairs, deck_disks, deck_disk_rows, deck_disk_files,
+    deck_packings, deck_packing_clump, deck_clumps, deck_forces, deck_locks, deck_walls,
+    deck_motions, deck_sweeps, deck_sweep_parameters;
 extern const deck_table *const deck_tables[];
 extern const size_t deck_table_count;
 

@@ -53,7 +53,7 @@ typedef enum deck_type {
 } deck_type;
 
 struct deck_table;
-struct deck_container_values;
+struct container;
 struct guess;
 struct deck_constants;
 struct deck_sweep;
@@ -156,7 +156,8 @@ typedef struct deck {
   deck_place away_place;
   /* True if the deck has no mistakes except, possibly, in the positions of bodies */
   bool readable;
-  struct deck_container_values *container;
+  struct container *container;
+  int container_material;
   struct deck_constants *constants; /* Named constants of the deck; NULL before the first use */
 
   /* [n_motions]: index in the deck's list `motions` of the entry from which each motion of the

@@ -1,5 +1,4 @@
-/* deck_values.h: values of the keys of a container, and shapes of the grains of a packing, before
- * bodies are made from them. */
+/* deck_values.h: shapes of the grains of a packing, before bodies are made from them. */
 #ifndef SLIPDISK_IO_DECK_VALUES_H
 #define SLIPDISK_IO_DECK_VALUES_H
 
@@ -7,14 +6,6 @@
 #include "pack/tiles.h"
 
 struct deck_group;
-
-typedef struct deck_container_values {
-  sd_container_kind kind;
-  double width, height, radius, outlet, angle, origin[2];
-  bool open;
-  int material;
-  place_interior interior;
-} deck_container_values;
 
 /* --- radii of a packing ----------------------------------------------------------------------- */
 

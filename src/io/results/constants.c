@@ -433,7 +433,7 @@ static void read_space(reader *r, sd_model *m) {
     m->region_lower[c] = area[c];
     m->region_upper[c] = area[2 + c];
   }
-  m->container = (sd_container_kind)h5_get_attr_i64(r->file, MODEL, "container", SD_CONTAINER_NONE);
+  m->container = (int)h5_get_attr_i64(r->file, MODEL, "container", 0);
   m->variant = (sd_variant)h5_get_attr_i64(r->file, MODEL, "variant", SD_PAPER);
 }
 
