@@ -81,12 +81,6 @@ static int64_t steps_of(const engine *e, phase_alike *alike) {
   return state_steps_alike(e->model, e->state, alike);
 }
 
-/* Begins to measure the watched disks and the means of every disk. */
-static void measure_begin(engine *e) {
-  sample_begin(e);
-  disks_begin(e);
-}
-
 /* Returns true if the phase has settle criteria and they are checked after this step. */
 static bool settle_is_due(const engine *e) {
   const sd_settle *asked = &e->model->phases[e->state->phase].settle;
@@ -126,13 +120,53 @@ static void close_phase(engine *e, const settle_measure *rest) {
   s->phase_step = 0;
 }
 
-sd_status loop_begin_phase(engine *e, sd_messages *messages) {
-  if (loop_finished(e)) return SD_OK;
+static sd_status prepare_relaxing(engine *e) {
   if (!state_goes_on(e->model, e->state, relaxes)) relax_begin(e);
+  return SD_OK;
+}
+
+static sd_status prepare_cell(engine *e) {
   cell_begin(e);
-  const sd_status status = comm_agree(e->comm, steer_begin_phase(e));
+  return SD_OK;
+}
+
+static sd_status prepare_holding(engine *e) { return comm_agree(e->comm, steer_begin_phase(e)); }
+
+static sd_status prepare_motions(engine *e) {
   motion_begin_phase(e);
-  return status == SD_OK ? SD_OK : sd_fail(messages, status, "out of memory for the motions");
+  return SD_OK;
+}
+
+/* Begins to measure the watched disks and the means of every disk. */
+static sd_status begin_measuring(engine *e) {
+  if (!steps_are_measured(e)) return SD_OK;
+  sample_begin(e);
+  disks_begin(e);
+  return SD_OK;
+}
+
+/* Actions at the beginning of a phase, in this order. SD_ERROR_IO: out of memory. */
+static const struct {
+  sd_status (*prepare)(engine *e); /* before forces are evaluated: sets what they depend on */
+  sd_status (*begin)(engine *e);   /* with contacts and forces as the first step finds them */
+} phase_actions[] = {
+    {.prepare = prepare_relaxing}, {.prepare = prepare_cell},  {.prepare = prepare_holding},
+    {.prepare = prepare_motions},  {.begin = begin_measuring},
+};
+enum { PHASE_ACTIONS = sizeof phase_actions / sizeof *phase_actions };
+
+sd_status loop_begin_phase(engine *e, sd_messages *messages) {
+  sd_status status = SD_OK;
+  for (size_t k = 0; k < PHASE_ACTIONS && status == SD_OK && !loop_finished(e); k++)
+    if (phase_actions[k].prepare) status = phase_actions[k].prepare(e);
+  return status == SD_OK ? SD_OK : sd_fail(messages, status, "out of memory for a phase");
+}
+
+static sd_status begin_with_forces(engine *e, sd_messages *messages) {
+  sd_status status = SD_OK;
+  for (size_t k = 0; k < PHASE_ACTIONS && status == SD_OK; k++)
+    if (phase_actions[k].begin) status = phase_actions[k].begin(e);
+  return status == SD_OK ? SD_OK : sd_fail(messages, status, "out of memory for a phase");
 }
 
 sd_status loop_start(engine *e, sd_messages *messages) {
@@ -140,8 +174,7 @@ sd_status loop_start(engine *e, sd_messages *messages) {
   if (status == SD_OK) status = engine_start(e, messages);
   if (status != SD_OK) return status;
   motion_begin_run(e);
-  if (steps_are_measured(e)) measure_begin(e);
-  return SD_OK;
+  return begin_with_forces(e, messages);
 }
 
 /* Ends the phase and, unless it was the last, begins the next one. */
@@ -156,8 +189,7 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   const double residual = steers ? energy_of(e).residual : 0.0;
   status = loop_begin_phase(e, messages);
   if (status == SD_OK && steers) status = steer_finish(e, residual, true, messages);
-  if (status == SD_OK && steps_are_measured(e)) measure_begin(e);
-  return status;
+  return status == SD_OK ? begin_with_forces(e, messages) : status;
 }
 
 /* --- Between steps ---------------------------------------------------------------------------- */
