@@ -518,12 +518,6 @@ static void complete_together(const team *t, void *with) {
   }
 }
 
-static bool is_frictionless(const sd_model *m) {
-  for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
-    if (m->laws[k].k_n > 0.0 && m->laws[k].mu > 0.0 && m->laws[k].k_t > 0.0) return false;
-  return true;
-}
-
 sd_status configuration_new(configuration *c, const sd_model *constants, const frame_data *frame,
                             sd_messages *messages) {
   *c = (configuration){.step = frame->step,
@@ -546,7 +540,7 @@ sd_status configuration_new(configuration *c, const sd_model *constants, const f
   if (status != SD_OK) sd_fail(messages, status, "no memory for %zu bodies", frame->n_bodies);
   bool any = status == SD_OK && m->n_disks > 0;
   if (any) {
-    c->frictionless = is_frictionless(m);
+    c->frictionless = laws_frictionless(m);
     status = sd_model_finish(m, messages);
   } else if (status == SD_OK) {
     model_find_pieces(m);

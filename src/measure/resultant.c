@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "measure/contact_graph.h"
 #include "measure/observable.h"
 #include "measure/stress.h"
 #include "model/model.h"
@@ -320,6 +321,70 @@ static sd_status take_motion(resultants *r, part *p, sd_messages *messages) {
   return SD_OK;
 }
 
+/* --- rattlers --------------------------------------------------------------------------------- */
+
+/* Returns the node of a free disk in the graph of contacts: its number, or that of the first disk
+ * of its clump. */
+static uint32_t node_of_disk(const sd_model *m, uint32_t disk) {
+  const size_t clump = (size_t)m->disks[disk].clump;
+  return clump > 0 ? m->clumps[clump - 1].disks[0] : disk;
+}
+
+static uint32_t node_of(const part *p, uint32_t body) {
+  const bool yields = slot_of(p->slots, body) < p->state->n_free + p->state->n_ghosts;
+  return yields ? node_of_disk(p->model, body) : GRAPH_FIXED;
+}
+
+/* Gathers rows of all ranks on every rank; the caller frees them. Collective. */
+static void *gather(const comm *c, const void *mine, size_t n, size_t size, size_t *all) {
+  int *counts = memory_new((size_t)comm_size(c), sizeof *counts);
+  comm_gather_counts(c, (int)n, counts);
+  *all = 0;
+  for (int q = 0; q < comm_size(c); q++) *all += (size_t)counts[q];
+  void *rows = memory_new(*all, size);
+  comm_gather(c, mine, rows, counts, size);
+  free(counts);
+  return rows;
+}
+
+/* Counts rattlers and the contacts of the other disks in the region. Collective. */
+static sd_status take_rattlers(resultants *r, const part *p) {
+  const sd_state *s = p->state;
+  const size_t n_nodes = p->model->n_disks;
+  size_t n_edges = 0, n_inside = 0;
+  graph_edge *own = memory_new(s->n_contacts, sizeof *own);
+  uint32_t *mine = memory_new(s->n_free, sizeof *mine);
+  for (size_t k = 0; k < s->n_contacts; k++)
+    if (s->contact_force[k] > 0.0)
+      own[n_edges++] = (graph_edge){node_of(p, s->contact_a[k]), node_of(p, s->contact_b[k])};
+  for (size_t i = 0; i < s->n_free; i++) {
+    const sd_disk d = disk_in(p, i);
+    if (body_in_play(s, i) && region_holds(&p->region, d.position[0], d.position[1]))
+      mine[n_inside++] = s->id[i];
+  }
+  graph_edge *edges = gather(p->comm, own, n_edges, sizeof *own, &n_edges);
+  uint32_t *inside = gather(p->comm, mine, n_inside, sizeof *mine, &n_inside);
+  int32_t *left = memory_new(n_nodes, sizeof *left);
+  bool *rattler = memory_new(n_nodes, sizeof *rattler);
+  const sd_status status =
+      graph_rattlers(n_nodes, n_edges, edges, laws_frictionless(p->model) ? 3 : 2, left, rattler);
+  double bearing = 0.0;
+  r->rattlers = 0;
+  for (size_t k = 0; k < n_inside && status == SD_OK; k++) {
+    const uint32_t node = node_of_disk(p->model, inside[k]);
+    r->rattlers += rattler[node];
+    if (!rattler[node] && node == inside[k]) bearing += left[node];
+  }
+  r->z_backbone = bearing / (double)((int64_t)n_inside - r->rattlers);
+  free(own);
+  free(mine);
+  free(edges);
+  free(inside);
+  free(left);
+  free(rattler);
+  return status;
+}
+
 /* --- forces of contacts ----------------------------------------------------------------------- */
 
 /* Adds the forces of all contacts to the sums of the contact stress and of the groups. centre:
@@ -356,6 +421,7 @@ static sd_status take_geometry(resultants *r, part *p, sd_messages *messages) {
     add_forces(r, p, centre);
     free(centre);
   }
+  if (status == SD_OK && m->measure_rattlers) status = take_rattlers(r, p);
   const region *g = &p->region;
   r->width = isfinite(g->upper[0]) ? g->upper[0] - g->lower[0] : NAN;
   r->height = isfinite(g->upper[1]) ? g->upper[1] - g->lower[1] : NAN;
@@ -406,7 +472,7 @@ sd_status resultants_compute(resultants *r, const sd_model *m, const sd_state *s
     add_force(&p, walls_of(r) + ROW * k, (uint32_t)(m->n_disks + k));
   for (size_t k = 0; k < m->n_contact_disks; k++)
     add_force(&p, disks_of(r, m) + ROW * k, m->contact_disks[k]);
-  if (m->measure_groups || m->measure_box || m->measure_stress)
+  if (m->measure_groups || m->measure_box || m->measure_stress || m->measure_rattlers)
     status = take_geometry(r, &p, messages);
   add_up(&p, r->sums, r->n_sums);
   if (status == SD_OK) round_all(r, &p);

@@ -35,6 +35,10 @@ typedef struct resultants {
   double width, height;
   /* stress tensors of contacts and motion: xx, xy, yx, yy, as in stress.h */
   double stress[4], kinetic[4];
+  /* free disks in the region that are rattlers, and mean number of load-bearing contacts of the
+   * others (contact_graph.h) */
+  int64_t rattlers;
+  double z_backbone;
   struct resultant_disk *chosen; /* disks of the model's contact_disks, sorted by number */
   exact_sum *sums; /* [n_sums] exact sums, from which the other members are computed */
   size_t n_sums;

@@ -73,6 +73,8 @@ OBSERVABLE_GET(watched_spin, moment, at->state->omega[watched(at, k)])
 
 OBSERVABLE_GET(width, moment, at->sums->width)
 OBSERVABLE_GET(height, moment, at->sums->height)
+OBSERVABLE_GET(rattlers, moment, (double)at->sums->rattlers)
+OBSERVABLE_GET(z_backbone, moment, at->sums->z_backbone)
 OBSERVABLE_GET(stress_xx, moment, at->sums->stress[STRESS_XX])
 OBSERVABLE_GET(stress_xy, moment, at->sums->stress[STRESS_XY])
 OBSERVABLE_GET(stress_yx, moment, at->sums->stress[STRESS_YX])
@@ -116,6 +118,7 @@ OBSERVABLE_GET(rate_xy, moment, cell_rate(at, SD_CELL_XY))
 
 static bool asks_box(const sd_model *m) { return m->measure_box; }
 static bool asks_stress(const sd_model *m) { return m->measure_stress; }
+static bool asks_rattlers(const sd_model *m) { return m->measure_rattlers; }
 static bool asks_walls(const sd_model *m) { return m->measure_walls && m->n_walls > 0; }
 static bool asks_groups(const sd_model *m) { return m->measure_groups && m->n_groups > 0; }
 static bool asks_contacts(const sd_model *m) { return m->n_contact_disks > 0; }
@@ -206,6 +209,10 @@ static const observable others[] = {
            OBSERVABLE_F64, 1, nonaffine_x, cell_deforms),
     SERIES("nonaffine_y", "length", "the same along y", OBSERVABLE_F64, 1, nonaffine_y,
            cell_deforms),
+    SERIES("rattlers", "1", "free disks in the region with too few contacts (measure.rattlers)",
+           OBSERVABLE_I64, 1, rattlers, asks_rattlers),
+    SERIES("z_backbone", "1", "mean number of load-bearing contacts of the others", OBSERVABLE_F64,
+           1, z_backbone, asks_rattlers),
     STRESS(stress_xx,
            "stress of the contacts in the region, compression positive (measure.stress)"),
     STRESS(stress_xy, "stress of the contacts"),

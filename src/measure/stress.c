@@ -6,6 +6,7 @@
 
 #include "base/math.h"
 #include "base/memory.h"
+#include "measure/contact_graph.h"
 #include "model/model.h"
 
 principal stress_principal(const double t[4]) {
@@ -53,69 +54,37 @@ static void add_body_forces(stress *s, const sd_model *m) {
 
 /* --- rattlers --------------------------------------------------------------------------------- */
 
-/* Load-bearing contacts of all rigid bodies: those of body i have the indices start[i] ... start[i
- * + 1] - 1. */
-typedef struct incidence_list {
-  size_t *start;
-  uint32_t *partner; /* partner body of each contact; UINT32_MAX: a prescribed disk or wall */
-} incidence_list;
-
-/* Returns the disk that represents a rigid body: the first disk of its clump, or the disk
- * itself. */
-static uint32_t body_of(const configuration *c, uint32_t disk) {
-  return configuration_in_clump(c, disk) ? c->clumps[c->clump_of[disk]].disks[0] : disk;
-}
-
 /* Temporary arrays of stress_new. */
 typedef struct scratch {
   int32_t *left; /* number of contacts of each disk with bodies that are no rattlers */
   bool *inside;  /* true for disks with their centre in the region */
-  /* stack of new rattlers, whose contacts are still to be taken from their partners */
-  uint32_t *stack;
-  incidence_list list;
+  graph_edge *edges;
   /* [n_bodies] rigid bodies with their centre in the region: disks in no clump, then clumps */
   config_clump *bodies;
   size_t n_bodies;
 } scratch;
 
-/* Fills the list of load-bearing contacts. bearing: number of such contacts of each rigid body. */
-static void list_bearing(incidence_list *l, const configuration *c, const int32_t *bearing) {
-  size_t n = c->model->n_disks;
-  for (size_t i = 0; i < n; i++) l->start[i + 2] = l->start[i + 1] + (size_t)bearing[i];
-  for (size_t k = 0; k < c->n_contacts; k++) {
-    const config_contact *q = &c->contacts[k];
-    if (!(q->force > 0.0)) continue;
-    bool free = configuration_is_free(c, q->b);
-    l->partner[l->start[body_of(c, q->a) + 1]++] = free ? body_of(c, q->b) : UINT32_MAX;
-    if (q->b < n) l->partner[l->start[body_of(c, q->b) + 1]++] = body_of(c, q->a);
-  }
+/* Returns the disk that represents a rigid body: the first disk of its clump, or the disk itself;
+ * GRAPH_FIXED for a body that is prescribed. */
+static uint32_t node_of(const configuration *c, uint32_t body) {
+  if (!configuration_is_free(c, body)) return GRAPH_FIXED;
+  return configuration_in_clump(c, body) ? c->clumps[c->clump_of[body]].disks[0] : body;
 }
 
-/* Marks rattlers: removes bodies with too few load-bearing contacts, and these contacts with them,
- * until all other bodies have enough. room->left receives the number of contacts that remain. */
-static void find_rattlers(stress *s, const configuration *c, const scratch *room) {
-  size_t n = c->model->n_disks, waiting = 0;
-  int32_t least = c->frictionless ? 3 : 2, *left = room->left;
-  uint32_t *stack = room->stack;
-  incidence_list l = room->list;
-  for (uint32_t i = 0; i < n; i++) left[body_of(c, i)] += s->bearing[i];
-  list_bearing(&l, c, left);
-  for (uint32_t i = 0; i < n; i++) {
-    if (body_of(c, i) != i || c->model->disks[i].driven || left[i] >= least) continue;
-    s->rattler[i] = true;
-    stack[waiting++] = i;
+static sd_status find_rattlers(stress *s, const configuration *c, scratch *room) {
+  const size_t n = c->model->n_disks;
+  size_t n_edges = 0;
+  for (size_t k = 0; k < c->n_contacts; k++) {
+    const config_contact *q = &c->contacts[k];
+    if (q->force > 0.0) room->edges[n_edges++] = (graph_edge){node_of(c, q->a), node_of(c, q->b)};
   }
-  while (waiting > 0) {
-    uint32_t i = stack[--waiting];
-    for (size_t k = l.start[i]; k < l.start[i + 1]; k++) {
-      uint32_t b = l.partner[k];
-      if (b == UINT32_MAX || s->rattler[b]) continue;
-      if (--left[b] >= least || c->model->disks[b].driven) continue;
-      s->rattler[b] = true;
-      stack[waiting++] = b;
-    }
+  const sd_status status =
+      graph_rattlers(n, n_edges, room->edges, c->frictionless ? 3 : 2, room->left, s->rattler);
+  for (uint32_t i = 0; i < n && status == SD_OK; i++) {
+    const uint32_t node = node_of(c, i);
+    s->rattler[i] = node != GRAPH_FIXED && s->rattler[node];
   }
-  for (uint32_t i = 0; i < n; i++) s->rattler[i] = s->rattler[body_of(c, i)];
+  return status;
 }
 
 /* --- sums over the region --------------------------------------------------------------------- */
@@ -281,17 +250,15 @@ sd_status stress_new(stress *s, const configuration *c, const region *g, sd_mess
                                 {&s->virial, n, sizeof *s->virial},
                                 {&room.left, n, sizeof *room.left},
                                 {&room.inside, n, sizeof *room.inside},
-                                {&room.stack, n, sizeof *room.stack},
-                                {&room.bodies, n + c->n_clumps, sizeof *room.bodies},
-                                {&room.list.start, n + 2, sizeof *room.list.start},
-                                {&room.list.partner, 2 * c->n_contacts, sizeof *room.list.partner}};
+                                {&room.edges, c->n_contacts, sizeof *room.edges},
+                                {&room.bodies, n + c->n_clumps, sizeof *room.bodies}};
   if (!memory_rows(sizeof rows / sizeof *rows, rows))
     return sd_fail(messages, SD_ERROR_IO, "no memory for %zu disks", n);
   for (size_t k = 0; k < c->n_contacts; k++) add_contact(s, c, &c->contacts[k]);
   add_body_forces(s, m);
   for (size_t i = 0; i < n; i++)
     room.inside[i] = region_holds(g, m->disks[i].position[0], m->disks[i].position[1]);
-  find_rattlers(s, c, &room);
+  const sd_status status = find_rattlers(s, c, &room);
   count_disks(s, c, g, room.inside, room.left);
   sum_bodies(s, c, g, &room);
   stress_kinetic(s->kinetic, c, s->area, room.n_bodies, room.bodies, NULL);
@@ -299,11 +266,9 @@ sd_status stress_new(stress *s, const configuration *c, const region *g, sd_mess
   sum_contacts(s, c, g);
   free(room.left);
   free(room.inside);
-  free(room.stack);
+  free(room.edges);
   free(room.bodies);
-  free(room.list.start);
-  free(room.list.partner);
-  return SD_OK;
+  return status == SD_OK ? SD_OK : sd_fail(messages, status, "no memory for %zu disks", n);
 }
 
 void stress_free(stress *s) {

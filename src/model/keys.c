@@ -225,6 +225,8 @@ static const deck_key measure_keys[] = {
     {"box", BOOL, "-", NULL, "series: width and height of the region", SETS(sd_model, measure_box)},
     {"stress", BOOL, "-", NULL, "series: contact and kinetic stress of the region",
      SETS(sd_model, measure_stress)},
+    {"rattlers", BOOL, "-", NULL, "series: rattlers, and coordination of the other disks",
+     SETS(sd_model, measure_rattlers)},
 };
 TABLE(deck_measure, "measure", true,
       "Means are taken in phases that measure, series in all phases.", measure_keys);

@@ -168,6 +168,12 @@ unsigned laws_features(const sd_model *m) {
   return f;
 }
 
+bool laws_frictionless(const sd_model *m) {
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
+    if (m->laws[k].k_n > 0.0 && m->laws[k].mu > 0.0 && m->laws[k].k_t > 0.0) return false;
+  return true;
+}
+
 bool law_is_same(const sd_contact_law *a, const sd_contact_law *b) {
   const deck_key *key;
   for (size_t k = 0; (key = deck_key_at(&law_table, k)); k++)

@@ -196,8 +196,8 @@ struct sd_model {
   uint32_t *contact_disks;
   /* True: record time series of the forces on each wall, and on each group of disks. */
   bool measure_walls, measure_groups;
-  /* True: record time series of the region's width and height, and of its stress. */
-  bool measure_box, measure_stress;
+  /* True: record time series of the region's width and height, its stress, its rattlers. */
+  bool measure_box, measure_stress, measure_rattlers;
   bool measure_disks; /* true: compute time averages for every free disk */
   /* True: record torque, normal forces and duration of each sliding configuration (combination
    * of the contact states) of the pairs of contacts in `slides`. */
@@ -329,5 +329,7 @@ double arc_distance(const sd_wall *arc, const double at[2]);
 
 /* Returns the flags LAW_... (law_features.h) of the parts that any contact law of the model has. */
 unsigned laws_features(const sd_model *model);
+/* True if no pair of materials has friction: k_t > 0 and mu > 0. */
+bool laws_frictionless(const sd_model *model);
 
 #endif

@@ -20,7 +20,7 @@ packings = ( { type = "rain"; count = 40; rows = 1; sizes = "uniform"; lower = 0
   y = (0.2, 1.5); group = "blue"; } );
 phases = ( { steps = %d; }, { steps = 500; } );
 output = { series = 500; frames = 500; contacts = 500; };
-measure = { walls = true; groups = true; contacts = ("grain", 5); box = true; stress = true; };
+measure = { walls = true; groups = true; contacts = ("grain", 5); box = true; stress = true; rattlers = true; };
 """
 # Disks go beyond the periodic edges; one moves through the fixed one's neighbourhood.
 PERIODIC = """
@@ -31,7 +31,7 @@ disks = ( { x = 0.5; y = 0.5; radius = 0.1; fixed = true; density = 1; },
           { x = 0.1; y = 0.1; radius = 0.05; vx = 3; omega = 40; density = 100; } );
 phases = ( { steps = 3000; series = 300; frames = 300; contacts = 300; compress = { fraction = 0.9; rate = 1; }; },
            { steps = 3000; series = 300; frames = 300; contacts = 300; } );
-measure = { groups = true; box = true; stress = true; };
+measure = { groups = true; box = true; stress = true; rattlers = true; };
 """
 
 
@@ -211,6 +211,11 @@ measure = { walls = true; box = true; stress = true; };
             for name, side in (("width", "x"), ("height", "y")):
                 self.assertTrue(near(c[name], [np.diff(f["region"][side])[0] for f in frames], 1e-14))
             self.assertGreater(c["stress_yy"].max(), 0)
+            self.assertEqual(list(c["rattlers"]), [f["disks"]["rattlers"] for f in frames])
+            z = np.array([f["contacts"]["z_backbone"] for f in frames], float)
+            np.testing.assert_array_equal(c["z_backbone"], z)
+            self.assertGreater(np.nanmax(z), 2)
+            self.assertLess(0, max(c["rattlers"]))
 
     def test_nothing_in_play(self):
         """While all disks wait there is no force, and where no disk is and no region, no size."""
@@ -230,8 +235,9 @@ measure = { walls = true; box = true; stress = true; };
         with h5py.File(self.result) as file:
             more = set(file["observables"]) - names
         self.assertEqual({name.split("_")[0] for name in more},
-                         {"wall", "walls", "group", "groups", "disk", "contact", "width", "height", "stress", "kinetic"})
-        self.assertEqual(len(more), 3 * 7 + 2 + 7 + 3)
+                         {"wall", "walls", "group", "groups", "disk", "contact", "width", "height", "stress", "kinetic",
+                          "rattlers", "z"})
+        self.assertEqual(len(more), 3 * 7 + 2 + 7 + 3 + 2)
 
     def test_mistakes(self):
         deck = self.folder / "deck.cfg"

@@ -288,7 +288,7 @@ def columns_of_the_series(r, deck):
 
 def measure_sums(deck):
     grouped = any("group" in one for one in deck["disks"] + deck.get("packings", []))
-    deck["measure"] = {**deck.get("measure", {}), "groups": grouped, "box": True, "stress": True, "walls": bool(deck.get("walls"))}
+    deck["measure"] = {**deck.get("measure", {}), "groups": grouped, "box": True, "stress": True, "rattlers": True, "walls": bool(deck.get("walls"))}
 
 
 @added("outputs", "rows")

@@ -43,7 +43,7 @@ def run(work, deck, name="r"):
 
 
 NAMES = "force_x", "force_y", "torque"
-MEASURES = {"walls": True, "groups": True, "box": True, "stress": True}
+MEASURES = {"walls": True, "groups": True, "box": True, "stress": True, "rattlers": True}
 
 
 def near(what, step, got, expected, most):

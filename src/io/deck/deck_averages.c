@@ -42,16 +42,16 @@ static bool find_column(const char *name, uint32_t *column) {
 }
 
 /* Returns true if the model records this column; if the deck only has to ask for it (measure.box,
- * stress, walls, groups), asks. */
+ * stress, walls ...), asks. */
 static bool records(sd_model *m, const observable *o) {
-  bool *const flags[] = {&m->measure_box, &m->measure_stress, &m->measure_walls,
-                         &m->measure_groups};
   if (!o->when || o->when(m)) return true;
-  for (size_t k = 0; k < sizeof flags / sizeof *flags; k++) {
-    const bool before = *flags[k];
-    *flags[k] = true;
+  for (size_t k = 0; k < deck_measure.n; k++) {
+    const deck_key *flag = &deck_measure.key[k];
+    if (flag->target != DECK_SETS_BOOL) continue;
+    const double before = deck_key_value(flag, m);
+    deck_key_store(flag, m, 1.0);
     if (o->when(m)) return true;
-    *flags[k] = before;
+    deck_key_store(flag, m, before);
   }
   return false;
 }
