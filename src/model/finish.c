@@ -571,6 +571,21 @@ sd_status model_finish_again(sd_model *m, sd_messages *msg) {
   return sd_model_finish(m, NULL) == SD_OK ? SD_OK : sd_model_finish(m, msg);
 }
 
+sd_status model_check_constants(sd_model *m, const sd_contact_law *before, sd_messages *msg) {
+  const size_t errors = sd_messages_errors(msg), n = m->n_materials * m->n_materials;
+  check_motions(m, msg);
+  loads_check(m, msg);
+  loads_check_steps(m, msg);
+  sd_status status = found(m, check_laws(m, msg), msg, errors);
+  bool stiff = false;
+  for (size_t k = 0; k < n; k++) stiff |= !law_is_as_stiff(&m->laws[k], &before[k]);
+  if (status != SD_OK || !stiff) return status;
+  check_step(m, msg);
+  status = found(m, status, msg, errors);
+  if (status == SD_OK) derive_period(m);
+  return status;
+}
+
 sd_status model_part(sd_model *m, size_t few) {
   assert(m->finished);
   m->limit = sd_model_step_limit(m);

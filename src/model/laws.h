@@ -17,6 +17,8 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value);
 
 /* True if all members of two contact laws are equal. */
 bool law_is_same(const sd_contact_law *a, const sd_contact_law *b);
+/* True if both laws set the same limit to the time step (stability.c). */
+bool law_is_as_stiff(const sd_contact_law *a, const sd_contact_law *b);
 
 /* Returns the attractive force of a closed contact at overlap delta (< 0: gap), for
  * measurements. The formulas are in model/law_cohesion.h. */

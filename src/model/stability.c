@@ -56,6 +56,14 @@ static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, dou
                       .friction = law->gamma_t * rubs + 2.0 * law->gamma_r * inverse_inertia};
 }
 
+bool law_is_as_stiff(const sd_contact_law *a, const sd_contact_law *b) {
+  const sd_disk unit = {.radius = 1.0, .mass = 1.0, .inertia = 1.0};
+  const oscillator p = oscillator_of(&unit, a, law_tsuji(a), 0),
+                   q = oscillator_of(&unit, b, law_tsuji(b), 0);
+  return p.normal2 == q.normal2 && p.tangential2 == q.tangential2 && p.damping == q.damping &&
+         p.friction == q.friction;
+}
+
 /* Returns the disk in this row; if it belongs to a clump, with the smallest effective mass and
  * inertia that a contact sees (clump_effective_disk). */
 static sd_disk felt_at(const sd_model *m, size_t row) {

@@ -186,7 +186,7 @@ static sd_status end_phase(engine *e, sd_messages *messages) {
   sd_status status = order_again(e, messages);
   if (status != SD_OK) return status;
   const bool steers = steer_is_due(e);
-  const double residual = steers ? energy_of(e).residual : 0.0;
+  const double residual = steers ? energy_residual(e) : 0.0;
   status = loop_begin_phase(e, messages);
   if (status == SD_OK && steers) status = steer_finish(e, residual, true, messages);
   return status == SD_OK ? begin_with_forces(e, messages) : status;

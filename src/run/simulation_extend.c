@@ -59,7 +59,7 @@ sd_status sd_simulation_add_force_field(sd_simulation *sim, sd_force_field *fiel
 /* Adds the energy of added or removed disks to energy_start, so that the residual of the energy
  * budget stays as it was. residual: the residual before the change. */
 static void keep_residual(engine *e, double residual) {
-  e->state->energy_start += energy_of(e).residual - residual;
+  e->state->energy_start += energy_residual(e) - residual;
 }
 
 /* Subtracts the contact forces of removed disks from the forces on their partners, because the next
@@ -132,7 +132,7 @@ static sd_status remove_disks(sd_simulation *sim, size_t n, const uint32_t *disk
   sd_status status = check_removable(e, n, disks, messages);
   if (status == SD_OK) status = simulation_store_all(sim, messages);
   if (status != SD_OK || n == 0) return status;
-  const double residual = energy_of(e).residual;
+  const double residual = energy_residual(e);
   for (size_t k = 0; k < n; k++) s->activity[engine_slot(e, disks[k])] = SD_REMOVED;
   take_forces_off(e);
   for (size_t k = 0; k < n; k++) {
@@ -367,7 +367,7 @@ static sd_status add_disks(sd_simulation *sim, size_t n, const sd_disk *disks, u
     sd_model_free(model);
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the state");
   }
-  const double residual = energy_of(e).residual;
+  const double residual = energy_residual(e);
   const bool small = engine_lanes(e) && lanes_suit(model);
   sd_state *old = e->state;
   e->state = state;

@@ -18,6 +18,7 @@
 #include "physics/neighbours/neighbours.h"
 #include "physics/small/lanes.h"
 #include "physics/step/access.h"
+#include "physics/step/engine.h"
 #include "physics/step/steer.h"
 #include "physics/system/bodies.h"
 #include "physics/system/fields.h"
@@ -35,7 +36,9 @@ typedef struct steering {
   const uint32_t *index; /* [n] NULL: 0 ... n - 1 */
   const double *values;  /* [n * row->width] */
   sd_model *next;        /* changed copy of the model; NULL: the model stays */
-  bool *changed;         /* [n_free] true for the slots of the disks that are changed */
+  sd_contact_law *laws;  /* [n_materials^2] changed laws, and [n_motions] motions; else NULL */
+  sd_motion *motions;
+  bool *changed; /* [n_free] true for the slots of the disks that are changed */
   sd_messages *messages;
 } steering;
 
@@ -277,7 +280,8 @@ static sd_status rebuild(steering *c) {
   const sd_model *model = c->next ? c->next : e->model;
   const bool small = engine_lanes(e) && lanes_suit(model);
   e->model = model;
-  const sd_status status = loop_rebuild(e, small, c->messages);
+  sd_status status = simulation_store_all(c->sim, c->messages);
+  if (status == SD_OK) status = loop_rebuild(e, small, c->messages);
   if (c->next) {
     sd_model_free(c->sim->owned);
     c->sim->owned = c->next;
@@ -442,17 +446,18 @@ static sd_status check_gravity(steering *c) {
   return SD_OK;
 }
 
-/* Sets gravity in the simulation's own model, which it makes if there is none. */
-static sd_status set_gravity(steering *c) {
+/* Returns the simulation's own model, of which constants can be set; c->next, if it had none
+ * yet; NULL: out of memory. */
+static sd_model *own_model(steering *c) {
   sd_simulation *sim = c->sim;
-  if (!sim->owned || sim->owned->deck) {
-    sd_model *own = simulation_model_copy(c->e->model, c->messages);
-    if (!own) return SD_ERROR_IO;
-    c->next = own;
-  }
-  sd_model *m = c->next ? c->next : sim->owned;
+  if (sim->owned && !sim->owned->deck) return sim->owned;
+  if (!c->next) c->next = simulation_model_copy(c->e->model, c->messages);
+  return c->next;
+}
+
+static void set_gravity(steering *c) {
+  sd_model *m = own_model(c);
   for (size_t k = 0; k < c->n; k++) m->gravity[index_of(c, k)] = value_of(c, k, 0);
-  return SD_OK;
 }
 
 /* Returns why this motion does not have the quantity; NULL: it has it. */
@@ -472,17 +477,18 @@ static const char *motion_lacks(const sd_motion *q, const quantity *row) {
 static sd_status change_motion(steering *c, size_t k) {
   const uint32_t number = index_of(c, k);
   char name[96];
-  if (number >= c->next->n_motions)
+  const sd_model *m = c->e->model;
+  if (number >= m->n_motions)
     return sd_fail(c->messages, SD_ERROR_USER, "%s of motion %u: expected one of the %zu motions",
-                   c->row->name, number, c->next->n_motions);
-  sd_motion *q = &c->next->motions[number];
+                   c->row->name, number, m->n_motions);
+  sd_motion *q = &c->motions[number];
   const char *expected = motion_lacks(q, c->row);
   if (expected)
     return sd_fail(c->messages, SD_ERROR_USER, "%s of %s: it has none; expected %s", c->row->name,
-                   model_motion_name(c->next, number, name, sizeof name), expected);
+                   model_motion_name(m, number, name, sizeof name), expected);
   if (q->kind == SD_MOTION_RANDOM && !(q->amplitude > 0.0 && value_of(c, k, 0) > 0.0))
     return sd_fail(c->messages, SD_ERROR_USER, "%s of %s, a random motion: expected numbers > 0",
-                   c->row->name, model_motion_name(c->next, number, name, sizeof name));
+                   c->row->name, model_motion_name(m, number, name, sizeof name));
   *member_of(q, c->row) = value_of(c, k, 0);
   return SD_OK;
 }
@@ -498,34 +504,66 @@ static void set_law(sd_contact_law *law, const quantity *q, double value) {
 }
 
 static sd_status change_law(steering *c, size_t k) {
-  sd_model *m = c->next;
-  const size_t n = m->n_materials, at = index_of(c, k);
-  if (at >= n * n || m->laws[at].k_n == 0.0)
+  const size_t n = c->e->model->n_materials, at = index_of(c, k);
+  if (at >= n * n || c->laws[at].k_n == 0.0)
     return sd_fail(
         c->messages, SD_ERROR_USER,
         "%s of law %zu: expected the number a n + b of two of the %zu materials that have "
         "a law",
         c->row->name, at, n);
-  set_law(&m->laws[at], c->row, value_of(c, k, 0));
-  m->laws[at % n * n + at / n] = m->laws[at];
+  set_law(&c->laws[at], c->row, value_of(c, k, 0));
+  c->laws[at % n * n + at / n] = c->laws[at];
   return SD_OK;
 }
 
-/* Makes the copy of the model with changed laws or motions. */
+/* Exchanges laws and motions of the model with those in c. */
+static void exchange(steering *c, sd_model *m) {
+  sd_contact_law *laws = m->laws;
+  sd_motion *moved = m->motions;
+  m->laws = c->laws;
+  m->motions = c->motions;
+  c->laws = laws;
+  c->motions = moved;
+}
+
+/* Sets c->laws and c->motions to the changed ones. */
 static sd_status check_constants(steering *c) {
   const bool general = (laws_features(c->e->model) & LAW_GENERAL) != 0;
+  sd_model *m = own_model(c);
+  if (!m) return SD_ERROR_IO;
+  const size_t n_laws = m->n_materials * m->n_materials;
+  if (!memory_resize_row(&c->laws, n_laws, sizeof *c->laws) ||
+      !memory_resize_row(&c->motions, m->n_motions, sizeof *c->motions))
+    return sd_fail(c->messages, SD_ERROR_IO, "out of memory for the model");
+  memcpy(c->laws, m->laws, n_laws * sizeof *c->laws);
+  if (m->n_motions > 0) memcpy(c->motions, m->motions, m->n_motions * sizeof *c->motions);
   sd_status status = SD_OK;
-  c->next = simulation_model_copy(c->e->model, c->messages);
-  if (!c->next) return SD_ERROR_IO;
   for (size_t k = 0; k < c->n && status == SD_OK; k++)
     status = c->row->kind == STEER_LAW ? change_law(c, k) : change_motion(c, k);
-  if (status == SD_OK) status = model_finish_again(c->next, c->messages);
-  if (status == SD_OK && ((laws_features(c->next) & LAW_GENERAL) != 0) != general)
+  if (status != SD_OK) return status;
+  exchange(c, m);
+  if (((laws_features(m) & LAW_GENERAL) != 0) != general)
     status =
         sd_fail(c->messages, SD_ERROR_USER,
                 "%s: contacts need other columns of memory then; begin with a law that has them",
                 c->row->name);
+  else
+    status = model_check_constants(m, c->laws, c->messages);
+  exchange(c, m);
   return status;
+}
+
+/* Sets laws and motions. *built: false if lists depend on them. */
+static sd_status set_constants(steering *c, bool *built) {
+  engine *e = c->e;
+  sd_model *m = own_model(c);
+  *built = !c->next && !engine_lanes(e);
+  if (c->row->kind == STEER_MOTION) motion_rescale(e, c->motions);
+  exchange(c, m);
+  if (!*built) return SD_OK;
+  if (c->row->kind == STEER_MOTION) return engine_renew_motions(e, c->messages);
+  *built = engine_renew_laws(e);
+  return SD_OK;
 }
 
 /* --- setting ---------------------------------------------------------------------------------- */
@@ -540,7 +578,7 @@ static sd_status check(steering *c) {
     case STEER_SPEED: return SD_OK;
     case STEER_SIZE: return check_size(c);
     case STEER_HELD: return check_held(c);
-    case STEER_GRAVITY: return check_gravity(c);
+    case STEER_GRAVITY: return own_model(c) ? check_gravity(c) : SD_ERROR_IO;
     case STEER_LAW:
     case STEER_MOTION: return check_constants(c);
   }
@@ -552,16 +590,17 @@ static sd_status change(steering *c) {
   engine *e = c->e;
   const quantity_kind kind = c->row->kind;
   double *at = NULL;
+  bool built = kind != STEER_PLACE && kind != STEER_SIZE;
   sd_status status = SD_OK;
   if (kind == STEER_HELD) return set_held(c);
   if (kind == STEER_PLACE && c->row->first != SD_THETA) status = steer_end_contacts(e, c->changed);
-  if (kind == STEER_GRAVITY) status = set_gravity(c);
+  if (kind == STEER_GRAVITY) set_gravity(c);
   if (kind == STEER_MOTION) status = motion_values(e, &at);
-  if (status == SD_OK && kind == STEER_MOTION) motion_rescale(e, c->next->motions);
+  if (status == SD_OK && c->laws) status = set_constants(c, &built);
   if (status == SD_OK && kind == STEER_SIZE) e->model = c->next;
   if (status == SD_OK && kind <= STEER_SIZE) status = set_disks(c);
   /* the step for small systems leaves the lists of the general step stale */
-  if (status == SD_OK && (kind == STEER_PLACE || c->next || engine_lanes(e))) status = rebuild(c);
+  if (status == SD_OK && (!built || c->next || engine_lanes(e))) status = rebuild(c);
   if (status == SD_OK && kind == STEER_GRAVITY) bodies_fill_constants(e);
   if (status == SD_OK && kind == STEER_SIZE) steer_keep_displacements(e, c->changed);
   if (status == SD_OK && kind == STEER_PLACE && c->row->first == SD_THETA)
@@ -580,9 +619,8 @@ static sd_status set(steering *c) {
     return sd_fail(c->messages, SD_ERROR_USER,
                    "%s: the last phase is over; no step is left to make", c->row->name);
   sd_status status = check(c);
-  if (status == SD_OK) status = simulation_store_all(c->sim, c->messages);
   if (status == SD_OK) {
-    const double residual = energy_of(e).residual;
+    const double residual = energy_residual(e);
     engine_ready(e, c->messages);
     status = change(c);
     if (status == SD_OK)
@@ -591,6 +629,8 @@ static sd_status set(steering *c) {
   }
   sd_model_free(c->next);
   free(c->changed);
+  free(c->laws);
+  free(c->motions);
   return status;
 }
 

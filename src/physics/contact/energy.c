@@ -22,69 +22,87 @@ typedef struct energy_sums {
   exact_sum of[ENERGY_SUMS];
 } energy_sums;
 
-/* Adds x to the exact sum of this member of sd_energy. */
-#define ADD(sum, member, x)                                                                        \
-  exact_sum_add(&(sum)->of[offsetof(sd_energy, member) / sizeof(double)], x)
-
-/* Adds the energies of the free disks, and the losses in contacts that have ended. Coordinates that
+/* Returns the energies of a free disk, and the losses in contacts that have ended. Coordinates that
  * are locked or prescribed (inverse mass 0) have no energy here: the work that they do is counted
  * instead. */
-static void add_disks(const engine *e, energy_sums *sum) {
+static sd_energy of_disk(const engine *e, size_t i) {
   const sd_state *s = e->state;
   const work *w = &e->work;
-  for (size_t i = 0; i < s->n_free; i++) {
-    double kinetic = 0.0, external = 0.0;
-    if (w->inverse_mass_x[i] != 0.0) {
-      kinetic += 0.5 * s->mass[i] * s->vx[i] * s->vx[i];
-      external -= w->constant_x[i] * box_absolute_x(e, i);
-    }
-    if (w->inverse_mass_y[i] != 0.0) {
-      kinetic += 0.5 * s->mass[i] * s->vy[i] * s->vy[i];
-      external -= w->constant_y[i] * box_absolute_y(e, i);
-    }
-    if (w->inverse_inertia[i] != 0.0) {
-      ADD(sum, kinetic_rotation, 0.5 * s->inertia[i] * s->omega[i] * s->omega[i]);
-      external -= w->constant_torque[i] * (s->theta[i] + s->turn[i]);
-    }
-    ADD(sum, kinetic_translation, kinetic);
-    ADD(sum, external, external);
-    if (s->n_fielded) {
-      ADD(sum, work, s->field_work[i]);
-      ADD(sum, drag, s->loss_drag[i]);
-      ADD(sum, damping, s->loss_damping[i]);
-    }
-    ADD(sum, viscous, s->past_viscous[i]);
-    ADD(sum, friction, s->past_friction[i]);
-    ADD(sum, opening, s->loss_opening[i]);
-    ADD(sum, nonconservative_work, s->past_nonconservative_work[i]);
-    if (s->law_columns) ADD(sum, rolling, s->past_rolling[i]);
-    if (s->law_columns) ADD(sum, bridge, s->loss_bridge[i]);
+  sd_energy u = {.viscous = s->past_viscous[i],
+                 .friction = s->past_friction[i],
+                 .opening = s->loss_opening[i],
+                 .nonconservative_work = s->past_nonconservative_work[i]};
+  if (w->inverse_mass_x[i] != 0.0) {
+    u.kinetic_translation += 0.5 * s->mass[i] * s->vx[i] * s->vx[i];
+    u.external -= w->constant_x[i] * box_absolute_x(e, i);
   }
+  if (w->inverse_mass_y[i] != 0.0) {
+    u.kinetic_translation += 0.5 * s->mass[i] * s->vy[i] * s->vy[i];
+    u.external -= w->constant_y[i] * box_absolute_y(e, i);
+  }
+  if (w->inverse_inertia[i] != 0.0) {
+    u.kinetic_rotation = 0.5 * s->inertia[i] * s->omega[i] * s->omega[i];
+    u.external -= w->constant_torque[i] * (s->theta[i] + s->turn[i]);
+  }
+  if (s->n_fielded) {
+    u.work = s->field_work[i];
+    u.drag = s->loss_drag[i];
+    u.damping = s->loss_damping[i];
+  }
+  if (s->law_columns) {
+    u.rolling = s->past_rolling[i];
+    u.bridge = s->loss_bridge[i];
+  }
+  return u;
 }
 
-static void add_contacts(const engine *e, energy_sums *sum) {
+static sd_energy of_contact(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
+  const contact_energies u = contact_energies_of(e, k);
+  return (sd_energy){.elastic_normal = u.normal,
+                     .elastic_tangential = u.tangential,
+                     .elastic_rolling = u.rolling,
+                     .cohesion = u.cohesion,
+                     .rolling = p->more ? MORE(p, k, rolling) : 0.0,
+                     .viscous = PAIR(p, k, viscous),
+                     .friction = PAIR(p, k, friction),
+                     .nonconservative_work = PAIR(p, k, nonconservative_work)};
+}
+
+/* Calls add() for each free disk, each closed contact that this rank counts, and the clumps. */
+static void visit(const engine *e, void (*add)(exact_sum *sum, const sd_energy *u),
+                  exact_sum *sum) {
+  const pairs *p = &e->work.pairs;
+  for (size_t i = 0; i < e->state->n_free; i++) {
+    const sd_energy u = of_disk(e, i);
+    add(sum, &u);
+  }
   for (size_t k = 0; k < p->count; k++) {
     if (!pairs_closed(p, k) || !halo_counts(e, k)) continue;
-    const contact_energies u = contact_energies_of(e, k);
-    ADD(sum, elastic_normal, u.normal);
-    ADD(sum, elastic_tangential, u.tangential);
-    ADD(sum, elastic_rolling, u.rolling);
-    ADD(sum, cohesion, u.cohesion);
-    if (p->more) ADD(sum, rolling, MORE(p, k, rolling));
-    ADD(sum, viscous, PAIR(p, k, viscous));
-    ADD(sum, friction, PAIR(p, k, friction));
-    ADD(sum, nonconservative_work, PAIR(p, k, nonconservative_work));
+    const sd_energy u = of_contact(e, k);
+    add(sum, &u);
   }
+  sd_energy rigid = {0};
+  clumps_add_energy(e, &rigid);
+  add(sum, &rigid);
 }
 
+static void add_members(exact_sum *sum, const sd_energy *u) {
+  const double *member = (const double *)u;
+  for (size_t k = 0; k < ENERGY_SUMS; k++)
+    if (member[k] != 0.0) exact_sum_add(&sum[k], member[k]);
+}
+
+/* Returns what the members of a budget leave unaccounted for. */
+static double residual_of(const sd_energy *u) {
+  return (energy_total(u) - u->start) - (u->work + u->nonconservative_work) + energy_lost(u);
+}
+
+static void add_residual(exact_sum *sum, const sd_energy *u) { exact_sum_add(sum, residual_of(u)); }
+
 static void add_up(const engine *e, energy_sums *sum) {
-  sd_energy rigid = {0};
   memset(sum, 0, sizeof *sum);
-  add_disks(e, sum);
-  add_contacts(e, sum);
-  clumps_add_energy(e, &rigid);
-  for (size_t k = 0; k < ENERGY_SUMS; k++) exact_sum_add(&sum->of[k], ((const double *)&rigid)[k]);
+  visit(e, add_members, sum->of);
 }
 
 /* Rounds the exact sums to an sd_energy, and computes its residual and the residual's scale. */
@@ -94,8 +112,7 @@ static sd_energy budget_of(const sd_state *s, const energy_sums *exact) {
   sum.start = s->energy_start;
   sum.work += s->work_driven;
   sum.relaxed = s->relaxed;
-  sum.residual =
-      (energy_total(&sum) - sum.start) - (sum.work + sum.nonconservative_work) + energy_lost(&sum);
+  sum.residual = residual_of(&sum);
   /* The residual is compared with work plus losses; if these vanish, as in a conservative
    * collision, with the kinetic energy; for a system at rest, with the rounding error of the stored
    * energies. */
@@ -119,6 +136,17 @@ sd_energy energy_of(engine *e) {
   add_up(e, &sum);
   comm_total_exact(e->comm, sum.of, ENERGY_SUMS);
   return budget_of(e->state, &sum);
+}
+
+double energy_residual(engine *e) {
+  exact_sum sum = {0};
+  if (e->halo) halo_refresh(e, NULL);
+  visit(e, add_residual, &sum);
+  comm_total_exact(e->comm, &sum, 1);
+  const sd_energy run = {
+      .start = e->state->energy_start, .work = e->state->work_driven, .relaxed = e->state->relaxed};
+  add_residual(&sum, &run);
+  return exact_sum_value(&sum);
 }
 
 void losses_end(engine *e, pairs *p, size_t k) {

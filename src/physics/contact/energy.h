@@ -9,6 +9,9 @@
 /* Returns the energy budget of the disks of all ranks, computed from the state and the closed
  * contacts. Collective. */
 sd_energy energy_of(engine *e);
+/* Returns the residual of the budget of all ranks, to compare it before and after a change between
+ * two steps: faster than energy_of, and what the change leaves alone cancels. Collective. */
+double energy_residual(engine *e);
 /* Returns the energy budget of the disks of this rank and of the contacts that this rank counts: a
  * contact across two ranks is counted by one of them (halo_counts). Not collective. */
 sd_energy energy_of_part(const engine *e);

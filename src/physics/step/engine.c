@@ -333,6 +333,21 @@ sd_status engine_renew(engine *e, sd_messages *messages) {
   return e->renew ? e->renew(e, messages) : neighbours_build(e, messages);
 }
 
+bool engine_renew_laws(engine *e) {
+  work *w = &e->work;
+  const double margin = w->margin;
+  const unsigned features = w->features;
+  fill_laws(e->model, w);
+  return w->margin == margin && w->features == features;
+}
+
+sd_status engine_renew_motions(engine *e, sd_messages *messages) {
+  motion_free(e);
+  const sd_status status = motion_new(e, messages);
+  if (status == SD_OK) motion_resume(e);
+  return status;
+}
+
 bool engine_is_built(const engine *e) { return e->work.slots.slot; }
 
 void engine_free(engine *e) {

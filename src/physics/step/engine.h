@@ -46,5 +46,10 @@ sd_status engine_start(engine *e, sd_messages *messages);
  * several ranks each disk first moves to the rank whose domain it is in. Collective; all ranks get
  * the same status. */
 sd_status engine_renew(engine *e, sd_messages *messages);
+/* Take the constants of contact laws, and of motions, anew from the model, after they were changed
+ * between two steps. engine_renew_laws returns false, without a change that matters, if lists or
+ * columns depend on the change: build all anew then. */
+bool engine_renew_laws(engine *e);
+sd_status engine_renew_motions(engine *e, sd_messages *messages);
 
 #endif

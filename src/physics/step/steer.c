@@ -120,6 +120,6 @@ sd_status steer_finish(engine *e, double residual, bool holds, sd_messages *mess
   fields_renew(e);
   const sd_status status = renew_forces(e, messages);
   if (status != SD_OK) return status;
-  *(holds ? &e->state->energy_start : &e->state->work_driven) += energy_of(e).residual - residual;
+  *(holds ? &e->state->energy_start : &e->state->work_driven) += energy_residual(e) - residual;
   return status;
 }
