@@ -116,7 +116,7 @@ static void check_walls(const sd_model *m, sd_messages *msg) {
   }
 }
 
-/* True for a round wall with rolling resistance (k_r > 0). Its surface cannot be moved by
+/* True for a round wall with rolling resistance. Its surface cannot be moved by
  * itself, since rolling is computed from the wall's angle and not from the displacement of its
  * surface. */
 static bool rolls_on_surface(const sd_model *m, size_t body) {
@@ -124,7 +124,7 @@ static bool rolls_on_surface(const sd_model *m, size_t body) {
   bool rolls = false;
   for (size_t k = 0; k < m->n_materials && wall->kind == SD_WALL_CIRCLE; k++) {
     const sd_contact_law *law = sd_model_law(m, wall->material, (int)k);
-    rolls = rolls || (law && law->k_r > 0.0);
+    rolls = rolls || (law && law_features(law) & LAW_ROLLING);
   }
   return rolls;
 }
