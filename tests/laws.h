@@ -11,45 +11,27 @@
 #include <gsl/gsl_odeiv2.h>
 
 #include "deck_runs.h"
+#include "model/laws.h"
 #include "system.h"
 
-typedef struct law {
-  bool hertz, mindlin, pulls; /* pulls: limit_damping = false */
-  double k_n, gamma_n, restitution;
-  double mu, mu_kinetic, k_t, gamma_t; /* mu_kinetic: 0: mu */
-  double k_r, gamma_r, mu_r;
-  const char *cohesion; /* NULL: none */
-  double pull_off, range, rupture;
-  double E_star,
-      poisson; /* not 0: written in place of k_n, k_t, which are then those of the pair */
-} law;
+/* Members that are 0 are not written. With E_star and poisson, k_n and k_t are those of the pair. */
+typedef sd_contact_law law;
 
 HELPER void law_add(text *t, const char *name, const law *l) {
-  const struct {
-    const char *key;
-    double value;
-  } numbers[] = {{"gamma_n", l->gamma_n},
-                 {"restitution", l->restitution},
-                 {"mu", l->mu},
-                 {"mu_kinetic", l->mu_kinetic},
-                 {"E_star", l->E_star},
-                 {"poisson", l->poisson},
-                 {"k_t", l->poisson > 0 ? 0 : l->k_t},
-                 {"gamma_t", l->gamma_t},
-                 {"k_r", l->k_r},
-                 {"gamma_r", l->gamma_r},
-                 {"mu_r", l->mu_r},
-                 {"pull_off", l->pull_off},
-                 {"range", l->range},
-                 {"rupture", l->rupture}};
+  const deck_key *key;
   text_add(t, "{ %s;", name);
-  if (l->E_star == 0) text_add(t, " k_n = %.17g;", l->k_n);
-  if (l->hertz) text_add(t, " law = \"hertz\";");
-  if (l->mindlin) text_add(t, " tangential = \"mindlin\";");
-  if (l->pulls) text_add(t, " limit_damping = false;");
-  if (l->cohesion) text_add(t, " cohesion = \"%s\";", l->cohesion);
-  for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-    if (numbers[k].value != 0) text_add(t, " %s = %.17g;", numbers[k].key, numbers[k].value);
+  for (size_t k = 0; (key = deck_key_at(&law_table, k)); k++) {
+    const double value = deck_key_value(key, l);
+    const bool derived = (l->E_star > 0 && strcmp(key->name, "k_n") == 0) ||
+                         (l->poisson > 0 && strcmp(key->name, "k_t") == 0);
+    if (key->kind == DECK_KEY_BOOL)
+      text_add(t, " %s = %s;", key->name,
+               (value != 0) != (key->target == DECK_SETS_OFF) ? "true" : "false");
+    else if (key->words)
+      text_add(t, " %s = \"%s\";", key->name, key->words[(int)value].name);
+    else if (value != 0 && !derived)
+      text_add(t, " %s = %.17g;", key->name, value);
+  }
   text_add(t, " }");
 }
 
@@ -146,15 +128,17 @@ typedef struct reference {
 
 /* Attraction at this overlap. */
 HELPER double law_attraction(const law *l, double reach, bool bridged) {
-  if (!l->cohesion) return 0;
-  if (strcmp(l->cohesion, "bridge") == 0)
+  if (l->cohesion == SD_COHESION_NONE) return 0;
+  if (l->cohesion == SD_COHESION_BRIDGE)
     return bridged && reach > -l->rupture ? l->pull_off * exp(fmin(reach, 0) / l->range) : 0;
   return reach > 0 ? l->pull_off : fmax(l->pull_off * (1 + reach / l->range), 0);
 }
 
 /* Without damping. */
 HELPER double law_repulsion(const law *l, double delta) {
-  return delta <= 0 ? 0 : l->hertz ? l->k_n * delta * sqrt(delta) : l->k_n * delta;
+  return delta <= 0                     ? 0
+         : l->normal == SD_NORMAL_HERTZ ? l->k_n * delta * sqrt(delta)
+                                        : l->k_n * delta;
 }
 
 HELPER double clip(double x, double limit) { return fmax(fmin(x, limit), -limit); }
@@ -181,13 +165,13 @@ HELPER int reference_rates(double t, const double s[], double f[], void *user) {
   /* normal */
   double gamma = l->gamma_n, m = hit_mass(h);
   const double ratio = q->damping;
-  gamma +=
-      l->hertz ? sqrt(5) * ratio * sqrt(m * l->k_n * sqrt(delta)) : 2 * ratio * sqrt(m * l->k_n);
+  gamma += l->normal == SD_NORMAL_HERTZ ? sqrt(5) * ratio * sqrt(m * l->k_n * sqrt(delta))
+                                        : 2 * ratio * sqrt(m * l->k_n);
   double push = delta > 0 ? law_repulsion(l, delta) - gamma * u : 0;
-  if (!l->pulls) push = fmax(push, 0);
+  if (!l->damping_pulls) push = fmax(push, 0);
   double normal = push - law_attraction(l, reach, q->bridged), cap = fmax(push, 0);
   /* tangential */
-  q->stiffness = sqrt(l->k_t * (l->mindlin ? sqrt(delta) : 1));
+  q->stiffness = sqrt(l->k_t * (l->tangential == SD_TANGENTIAL_MINDLIN ? sqrt(delta) : 1));
   q->limit = cap * (q->slid && l->mu_kinetic > 0 ? l->mu_kinetic : l->mu);
   q->reach = reach;
   double tau = delta > 0 ? -limited(q->stiffness * s[SPRING], l->gamma_t * surface, q->limit) : 0,
@@ -218,7 +202,7 @@ HELPER int reference_rates(double t, const double s[], double f[], void *user) {
 HELPER reference reference_new(const law *l, const hit *h) {
   reference q = {.law = l, .hit = h};
   if (l->restitution > 0 && l->restitution < 1)
-    q.damping = law_damping_ratio(l->restitution, l->pulls);
+    q.damping = law_damping_ratio(l->restitution, l->damping_pulls);
   double r = h->radius[0] + h->radius[1] + h->gap;
   q.s[3] = h->floor ? 0 : r * cos(h->beta);
   q.s[4] = h->floor ? 0 : r * sin(h->beta);

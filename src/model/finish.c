@@ -499,7 +499,7 @@ static void derive_numbers(sd_model *m) {
 
 /* Computes shortest_period, the shortest contact period, if any motion is a servo; else sets it
  * to 0. */
-static void derive_period(sd_model *m) {
+void model_derive_period(sd_model *m) {
   bool servo = false;
   for (size_t k = 0; k < m->n_motions; k++) servo |= m->motions[k].kind == SD_MOTION_SERVO;
   m->shortest_period = servo ? sd_model_shortest_period(m, NULL) : 0.0;
@@ -545,7 +545,7 @@ static sd_status derive(sd_model *m, sd_messages *msg) {
   if (status != SD_OK) return status;
   check_round_walls(m, msg);
   loads_check_steps(m, msg);
-  derive_period(m);
+  model_derive_period(m);
   if (!m->deck) check_step(m, msg);
   return found(m, SD_OK, msg, before);
 }
@@ -581,9 +581,7 @@ sd_status model_check_constants(sd_model *m, const sd_contact_law *before, sd_me
   for (size_t k = 0; k < n; k++) stiff |= !law_is_as_stiff(&m->laws[k], &before[k]);
   if (status != SD_OK || !stiff) return status;
   check_step(m, msg);
-  status = found(m, status, msg, errors);
-  if (status == SD_OK) derive_period(m);
-  return status;
+  return found(m, status, msg, errors);
 }
 
 sd_status model_part(sd_model *m, size_t few) {

@@ -284,8 +284,9 @@ void model_copy_mistakes(sd_model *to, const sd_model *from);
 /* Does what sd_model_finish does, checks and derived tables, for a model whose warnings were
  * reported before: it reports errors only. */
 sd_status model_finish_again(sd_model *model, sd_messages *messages);
-/* Checks a finished model in which only constants of laws and motions were changed. before: the
- * laws until then. */
+/* model_check_constants: checks a finished model in which only constants of laws and motions were
+ * changed; before: the laws until then. model_derive_period: renews what follows from them. */
+void model_derive_period(sd_model *model);
 sd_status model_check_constants(sd_model *model, const sd_contact_law *before,
                                 sd_messages *messages);
 

@@ -542,13 +542,12 @@ static sd_status check_constants(steering *c) {
     status = c->row->kind == STEER_LAW ? change_law(c, k) : change_motion(c, k);
   if (status != SD_OK) return status;
   exchange(c, m);
-  if (((laws_features(m) & LAW_GENERAL) != 0) != general)
+  status = model_check_constants(m, c->laws, c->messages);
+  if (status == SD_OK && ((laws_features(m) & LAW_GENERAL) != 0) != general)
     status =
         sd_fail(c->messages, SD_ERROR_USER,
                 "%s: contacts need other columns of memory then; begin with a law that has them",
                 c->row->name);
-  else
-    status = model_check_constants(m, c->laws, c->messages);
   exchange(c, m);
   return status;
 }
@@ -560,6 +559,7 @@ static sd_status set_constants(steering *c, bool *built) {
   *built = !c->next && !engine_lanes(e);
   if (c->row->kind == STEER_MOTION) motion_rescale(e, c->motions);
   exchange(c, m);
+  model_derive_period(m);
   if (!*built) return SD_OK;
   if (c->row->kind == STEER_MOTION) return engine_renew_motions(e, c->messages);
   *built = engine_renew_laws(e);

@@ -86,7 +86,7 @@ static const double modulus = 1e5, nu = 0.3;
 /* Duration 2 (5 m/4 k)^(2/5) v^(-1/5) I, I = sqrt(pi) Gamma(7/5)/Gamma(9/10) (2.94 (5 m/4
  * k)^(2/5) v^(-1/5)), largest overlap (5 m v^2/4 k)^(2/5), with k = 4/3 E* sqrt(R_eff). */
 static void elastic_impacts(void **unused) {
-  const law l = {.hertz = true, .E_star = modulus};
+  const law l = {.normal = SD_NORMAL_HERTZ, .E_star = modulus};
   const double v = 0.2, integral = sqrt(M_PI) * tgamma(1.4) / tgamma(0.9);
   double worst[3] = {0};
   int n = 0;
@@ -127,13 +127,17 @@ static void elastic_impacts(void **unused) {
 static void same_as_by_stiffness(void **unused) {
   static const law tails[] = {
       {.restitution = 0.6},
-      {.restitution = 0.6, .pulls = true, .mu = 0.4, .mindlin = true},
-      {.gamma_n = 1, .mu = 0.4, .mu_kinetic = 0.3, .mindlin = true, .gamma_t = 0.5},
+      {.restitution = 0.6, .damping_pulls = true, .mu = 0.4, .tangential = SD_TANGENTIAL_MINDLIN},
+      {.gamma_n = 1,
+       .mu = 0.4,
+       .mu_kinetic = 0.3,
+       .tangential = SD_TANGENTIAL_MINDLIN,
+       .gamma_t = 0.5},
       {.gamma_n = 1, .mu = 0.4, .k_t = 2e3, .gamma_t = 0.5}, /* k_t as given, with E_star */
-      {.mu = 0.5, .mindlin = true, .k_r = 1e3, .gamma_r = 0.1, .mu_r = 0.1},
+      {.mu = 0.5, .tangential = SD_TANGENTIAL_MINDLIN, .k_r = 1e3, .gamma_r = 0.1, .mu_r = 0.1},
       {.mu = 0.5,
-       .mindlin = true,
-       .cohesion = "bridge",
+       .tangential = SD_TANGENTIAL_MINDLIN,
+       .cohesion = SD_COHESION_BRIDGE,
        .pull_off = 0.1,
        .range = 1e-4,
        .rupture = 2e-4}};
@@ -145,11 +149,12 @@ static void same_as_by_stiffness(void **unused) {
       q.vy = -0.2;
       q.omega = 0.5;
       law by_modulus = tails[tail], by_stiffness = tails[tail];
-      by_modulus.hertz = by_stiffness.hertz = true;
+      by_modulus.normal = by_stiffness.normal = SD_NORMAL_HERTZ;
       by_modulus.E_star = modulus;
       by_stiffness.k_n = k;
-      if (tails[tail].mindlin) by_modulus.poisson = nu;
-      if (tails[tail].mindlin) by_stiffness.k_t = k * 3 * (1 - nu) / (2 - nu);
+      if (tails[tail].tangential == SD_TANGENTIAL_MINDLIN) by_modulus.poisson = nu;
+      if (tails[tail].tangential == SD_TANGENTIAL_MINDLIN)
+        by_stiffness.k_t = k * 3 * (1 - nu) / (2 - nu);
       sd_simulation *s[] = {begin_impact(&q, &by_modulus), begin_impact(&q, &by_stiffness)};
       for (int part = 0; part < 8; part++) {
         for (int which = 0; which < 2; which++) system_advance(s[which], 300);
@@ -173,10 +178,10 @@ static void same_as_by_stiffness(void **unused) {
 
 /* Small systems and the general step: the same bits. */
 static void two_ways(void **unused) {
-  const law l = {.hertz = true,
+  const law l = {.normal = SD_NORMAL_HERTZ,
                  .E_star = modulus,
                  .poisson = nu,
-                 .mindlin = true,
+                 .tangential = SD_TANGENTIAL_MINDLIN,
                  .mu = 0.4,
                  .mu_kinetic = 0.3,
                  .gamma_t = 0.5,
@@ -207,10 +212,10 @@ static void two_ways(void **unused) {
  * of the step, and the disk comes back with the speed that the losses leave. */
 static double roll_into_bowl(int integrator, double dt, bool mindlin, double *viscous) {
   text t = {0};
-  const law l = {.hertz = true,
+  const law l = {.normal = SD_NORMAL_HERTZ,
                  .E_star = modulus,
                  .mu = 0.5,
-                 .mindlin = mindlin,
+                 .tangential = mindlin,
                  .poisson = mindlin ? nu : 0,
                  .k_t = mindlin ? 0 : 1e4,
                  .gamma_n = 5};
@@ -269,8 +274,12 @@ static void set(sd_simulation *s, const char *name, double value, const char *re
 /* Modulus, Poisson's ratio and radius change while disks touch: the change of the energy is
  * work, the residual stays. */
 static void steering(void **unused) {
-  const law l = {
-      .hertz = true, .E_star = modulus, .poisson = nu, .mindlin = true, .mu = 0.4, .gamma_n = 1};
+  const law l = {.normal = SD_NORMAL_HERTZ,
+                 .E_star = modulus,
+                 .poisson = nu,
+                 .tangential = SD_TANGENTIAL_MINDLIN,
+                 .mu = 0.4,
+                 .gamma_n = 1};
   const double ratio = 3 * (1 - 0.2) / (2 - 0.2);
   EACH_IMPACT(q) {
     if (q.shape == SEGMENT || q.shape == BOWL) continue;

@@ -4,14 +4,19 @@
 #include "brief.h"
 #include "laws.h"
 
-static const law constant = {.k_n = 1e4, .cohesion = "constant", .pull_off = 3, .range = 2e-3};
+static const char *word_of(const law *l) {
+  return l->cohesion == SD_COHESION_BRIDGE ? "bridge" : "constant";
+}
+
+static const law constant = {
+    .k_n = 1e4, .cohesion = SD_COHESION_CONSTANT, .pull_off = 3, .range = 2e-3};
 static const law bridge = {
-    .k_n = 1e4, .cohesion = "bridge", .pull_off = 3, .range = 1e-3, .rupture = 4e-3};
+    .k_n = 1e4, .cohesion = SD_COHESION_BRIDGE, .pull_off = 3, .range = 1e-3, .rupture = 4e-3};
 static const law *const both[] = {&constant, &bridge};
 
 /* Energy that it takes to part two touching disks. */
 static double work_of_parting(const law *l) {
-  if (strcmp(l->cohesion, "bridge") == 0)
+  if (l->cohesion == SD_COHESION_BRIDGE)
     return l->pull_off * l->range * (1 - exp(-l->rupture / l->range));
   return 0.5 * l->pull_off * l->range;
 }
@@ -32,7 +37,7 @@ static void force_against_distance(void **unused) {
     for (int hertz = 0; hertz < 2; hertz++)
       for (int wall = 0; wall < 3; wall++) {
         law l = *both[k];
-        l.hertz = hertz;
+        l.normal = hertz;
         if (hertz) l.k_n *= 30;
         const double dt = 1e-4, far = 6e-3, near = -1e-3;
         text t = {0};
@@ -72,14 +77,14 @@ static void force_against_distance(void **unused) {
           worst = fmax(worst, fabs(-system_at(s, 0).force_x - force));
           tension = fmax(tension, system_at(s, 0).force_x);
         }
-        print_message("%s, %s, %s: largest tension %.7f, error of the force %.1e\n", l.cohesion,
+        print_message("%s, %s, %s: largest tension %.7f, error of the force %.1e\n", word_of(&l),
                       hertz ? "hertz" : "linear",
                       wall == 0   ? "disks"
                       : wall == 1 ? "line"
                                   : "circle",
                       tension, worst);
-        SYSTEM_NEAR(tension, l.pull_off, 1e-4 * l.pull_off, "%s: pull-off force", l.cohesion);
-        SYSTEM_NEAR(worst, 0, 1e-9 * l.pull_off, "%s: force against distance", l.cohesion);
+        SYSTEM_NEAR(tension, l.pull_off, 1e-4 * l.pull_off, "%s: pull-off force", word_of(&l));
+        SYSTEM_NEAR(worst, 0, 1e-9 * l.pull_off, "%s: force against distance", word_of(&l));
         sd_energy e = sd_simulation_energy(s);
         /* each bridge that forms loses its work of parting; the drive puts it in when it breaks */
         double expected = k ? formed * work_of_parting(&l) : 0, part = fmax(1 - gap / l.range, 0);
@@ -87,11 +92,11 @@ static void force_against_distance(void **unused) {
         if (bridged && k)
           stored = -l.pull_off * l.range * (exp(-gap / l.range) - exp(-l.rupture / l.range));
         assert_true(formed > 0 && gap > 0);
-        SYSTEM_NEAR(e.bridge, expected, 1e-9, "%s: lost to bridges", l.cohesion);
-        SYSTEM_NEAR(e.cohesion, stored, 1e-9, "%s: stored", l.cohesion);
+        SYSTEM_NEAR(e.bridge, expected, 1e-9, "%s: lost to bridges", word_of(&l));
+        SYSTEM_NEAR(e.cohesion, stored, 1e-9, "%s: stored", word_of(&l));
         SYSTEM_NEAR(e.work, expected + stored, 1e-4 * (1 + formed) * work_of_parting(&l),
-                    "%s: work", l.cohesion);
-        SYSTEM_NEAR(e.residual, 0, 1e-6 * work_of_parting(&l), "%s: residual", l.cohesion);
+                    "%s: work", word_of(&l));
+        SYSTEM_NEAR(e.residual, 0, 1e-6 * work_of_parting(&l), "%s: residual", word_of(&l));
         system_end(s);
       }
 }
@@ -111,14 +116,14 @@ static void rest_of_a_pair(void **unused) {
     system_advance(s, 400000);
     system_body a = system_at(s, 0), b = system_at(s, 1);
     double delta = 0.9 - hypot(b.x - a.x, b.y - a.y);
-    SYSTEM_NEAR(delta, l.pull_off / l.k_n, 1e-9, "%s: overlap at rest", l.cohesion);
+    SYSTEM_NEAR(delta, l.pull_off / l.k_n, 1e-9, "%s: overlap at rest", word_of(&l));
     SYSTEM_NEAR(h.mass[0] * a.vx + h.mass[1] * b.vx, 0, 1e-14, "momentum");
     sd_energy e = sd_simulation_energy(s);
     SYSTEM_NEAR(e.cohesion, -work_of_parting(&l) - l.pull_off * delta, 1e-8, "%s: stored",
-                l.cohesion);
+                word_of(&l));
     print_message(
         "%s: residual %.2e of %.2e; start %.3e cohesion %.3e bridge %.3e visc %.3e el %.3e\n",
-        l.cohesion, e.residual, e.scale, e.start, e.cohesion, e.bridge, e.viscous,
+        word_of(&l), e.residual, e.scale, e.start, e.cohesion, e.bridge, e.viscous,
         e.elastic_normal);
     assert_true(laws_residual(s) < 1e-6);
     system_end(s);
@@ -164,10 +169,10 @@ static void bridges_in_impacts(void **unused) {
                expected = sqrt(fmax(speed * speed - critical * critical, 0));
         /* near the critical speed a small energy is a large speed */
         SYSTEM_NEAR(after * after, expected * expected, 1e-4 * speed * speed,
-                    "%s: speed^2 after %g", l->cohesion, speed);
-        SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "%s: residual", l->cohesion);
+                    "%s: speed^2 after %g", word_of(l), speed);
+        SYSTEM_NEAR(e.residual, 0, 1e-6 * e.scale, "%s: residual", word_of(l));
         /* one that sticks bounces, without damping, in its bridge */
-        SYSTEM_NEAR(e.bridge, k ? taken : 0, 1e-9, "%s: lost to a bridge", l->cohesion);
+        SYSTEM_NEAR(e.bridge, k ? taken : 0, 1e-9, "%s: lost to a bridge", word_of(l));
       }
     }
 }
@@ -200,7 +205,7 @@ static double parting_speed(const law *l, double m, double speed) {
 
 static void critical_speed(void **unused) {
   law l = constant;
-  l.gamma_n = 8, l.pulls = true;
+  l.gamma_n = 8, l.damping_pulls = true;
   hit h = head_on(0, 3e-3, 2.5e-7, SD_VERLET);
   double m = hit_mass(&h), low = 0, high = 2;
   for (int k = 0; k < 60; k++) {
@@ -227,7 +232,7 @@ static void against_the_reference(void **unused) {
     for (int hertz = 0; hertz < 2; hertz++)
       for (int floor = 0; floor < 2; floor++) {
         law l = *both[k];
-        l.hertz = hertz, l.mindlin = hertz;
+        l.normal = hertz, l.tangential = hertz;
         l.restitution = 0.8, l.mu = 0.4, l.mu_kinetic = 0.3, l.gamma_t = 0.5;
         l.k_n = hertz ? 2e5 : 1e4, l.k_t = hertz ? 1e5 : 6e3;
         l.k_r = 1e3, l.mu_r = 0.1;
@@ -238,8 +243,8 @@ static void against_the_reference(void **unused) {
         reference q = reference_new(&l, &h);
         system_advance(s, 200000);
         reference_advance(&q, 1e-6, 40000);
-        same_velocities(s, &q, 0.9, 1e-4, l.cohesion);
-        print_message("%s, %s, %s: residual %.1e\n", l.cohesion, hertz ? "hertz" : "linear",
+        same_velocities(s, &q, 0.9, 1e-4, word_of(&l));
+        print_message("%s, %s, %s: residual %.1e\n", word_of(&l), hertz ? "hertz" : "linear",
                       floor ? "floor" : "disks", laws_residual(s));
         assert_true(laws_residual(s) < 1e-6);
         system_end(s);
@@ -279,9 +284,9 @@ static void friction_under_attraction(void **unused) {
         double a = (system_at(s, 0).vx - v) / (10000 * dt);
         double expected =
             over < 0 ? 0 : -g * sin(tilt) + mu * (sign * g * cos(tilt) + l.pull_off / m);
-        SYSTEM_NEAR(a, expected, 1e-4 * g, "%s, %s: acceleration", l.cohesion,
+        SYSTEM_NEAR(a, expected, 1e-4 * g, "%s, %s: acceleration", word_of(&l),
                     ceiling ? "ceiling" : "floor");
-        print_message("%s, %s: residual %.2e\n", l.cohesion, ceiling ? "ceiling" : "floor",
+        print_message("%s, %s: residual %.2e\n", word_of(&l), ceiling ? "ceiling" : "floor",
                       laws_residual(s));
         assert_true(laws_residual(s) < 1e-6);
         system_end(s);

@@ -13,14 +13,14 @@ static double drawn(uint64_t *seed, double low, double high) {
 }
 
 static law drawn_law(uint64_t *seed) {
-  law l = {.hertz = heads(seed), .mindlin = heads(seed), .pulls = heads(seed)};
-  l.k_n = drawn(seed, 5e3, 2e4) * (l.hertz ? 300 : 1);
+  law l = {.normal = heads(seed), .tangential = heads(seed), .damping_pulls = heads(seed)};
+  l.k_n = drawn(seed, 5e3, 2e4) * (l.normal == SD_NORMAL_HERTZ ? 300 : 1);
   if (heads(seed)) l.gamma_n = drawn(seed, 0.2, 3);
   if (heads(seed)) l.restitution = 0.3 + 0.7 * next_uniform(seed);
   if (next_uniform(seed) < 0.8) {
     l.mu = drawn(seed, 0.1, 1);
     if (heads(seed)) l.mu_kinetic = l.mu * (0.4 + 0.6 * next_uniform(seed));
-    l.k_t = drawn(seed, 2e3, 1e4) * (l.mindlin ? 100 : 1);
+    l.k_t = drawn(seed, 2e3, 1e4) * (l.tangential == SD_TANGENTIAL_MINDLIN ? 100 : 1);
     if (heads(seed)) l.gamma_t = drawn(seed, 0.1, 2);
   }
   if (heads(seed)) {
@@ -30,7 +30,7 @@ static law drawn_law(uint64_t *seed) {
   }
   const double what = next_uniform(seed);
   if (what < 0.67) {
-    l.cohesion = what < 0.33 ? "constant" : "bridge";
+    l.cohesion = what < 0.33 ? SD_COHESION_CONSTANT : SD_COHESION_BRIDGE;
     l.pull_off = mass * 9.81 * drawn(seed, 0.3, 10);
     l.range = drawn(seed, 1e-4, 1e-3);
     if (what >= 0.33) l.rupture = l.range * drawn(seed, 1, 4);
@@ -40,9 +40,10 @@ static law drawn_law(uint64_t *seed) {
 
 /* Hertz' law of about these stiffnesses, from a modulus and Poisson's ratio. */
 static void take_modulus(law *l) {
-  if (!l->hertz) return;
+  if (l->normal != SD_NORMAL_HERTZ) return;
   l->E_star = 0.75 * l->k_n / sqrt(0.5 * mean_radius);
-  if (l->mindlin && l->k_t > 0) l->poisson = 0.5 * fmin(fmod(l->k_t, 1000) / 1000 + 1e-3, 1);
+  if (l->tangential == SD_TANGENTIAL_MINDLIN && l->k_t > 0)
+    l->poisson = 0.5 * fmin(fmod(l->k_t, 1000) / 1000 + 1e-3, 1);
 }
 
 static void add_laws(text *t, uint64_t *seed) {

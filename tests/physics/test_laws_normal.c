@@ -8,8 +8,9 @@ enum { SPEEDS = sizeof speeds / sizeof *speeds };
 /* Of a contact without damping; Hertz: Landau and Lifshitz, Theory of Elasticity 9. */
 static double duration(const law *l, double mass, double speed) {
   const double integral = sqrt(M_PI) * tgamma(1.4) / tgamma(0.9);
-  return l->hertz ? 2 * pow(1.25 * mass / l->k_n, 0.4) * pow(speed, -0.2) * integral
-                  : M_PI * sqrt(mass / l->k_n);
+  return l->normal == SD_NORMAL_HERTZ
+             ? 2 * pow(1.25 * mass / l->k_n, 0.4) * pow(speed, -0.2) * integral
+             : M_PI * sqrt(mass / l->k_n);
 }
 
 /* What a disk hits: free disk, floor, held disk, round walls. */
@@ -77,7 +78,7 @@ static void linear_viscosity(void **unused) {
       double expected = pulls ? without_cutoff(b) : sd_restitution(1, 2 * b, 1).restitution;
       for (int floor = 0; floor < 2; floor++)
         for (int k = 0; k < SPEEDS; k += 2) {
-          law l = {.k_n = 1e4, .pulls = pulls};
+          law l = {.k_n = 1e4, .damping_pulls = pulls};
           hit h = head_on(&l, speeds[k], SD_VERLET, floor, BRIEF(100000, 20000));
           l.gamma_n = 2 * b * sqrt(l.k_n * hit_mass(&h));
           double residual, e = restitution(&l, &h, speeds[k], &residual);
@@ -92,7 +93,7 @@ static void coefficient(void **unused) {
   for (int hertz = 0; hertz < 2; hertz++)
     for (int pulls = 0; pulls < 2; pulls++)
       for (size_t k = 0; k < sizeof asked / sizeof *asked; k++) {
-        law l = {.k_n = 1e4, .hertz = hertz, .pulls = pulls, .restitution = asked[k]};
+        law l = {.k_n = 1e4, .normal = hertz, .damping_pulls = pulls, .restitution = asked[k]};
         char what[64];
         snprintf(what, sizeof what, "%s, restitution, cutoff %d", hertz ? "hertz" : "linear",
                  !pulls);
@@ -105,7 +106,7 @@ static void coefficient(void **unused) {
 /* Both dampings add up. */
 static void coefficient_and_viscosity(void **unused) {
   for (int pulls = 0; pulls < 2; pulls++) {
-    law l = {.k_n = 1e4, .pulls = pulls, .restitution = 0.8};
+    law l = {.k_n = 1e4, .damping_pulls = pulls, .restitution = 0.8};
     hit h = head_on(&l, 0.3, SD_VERLET, false, BRIEF(100000, 20000));
     double b = 0.1 + law_damping_ratio(0.8, pulls), residual;
     l.gamma_n = 2 * 0.1 * sqrt(l.k_n * hit_mass(&h));
@@ -121,7 +122,7 @@ static void hertz_viscosity(void **unused) {
     double least = 1, most = 0, worst = 0;
     for (int k = 0; k < SPEEDS; k++)
       for (int i = 0; i < 2; i++) {
-        law l = {.k_n = 1e4, .hertz = true, .pulls = pulls, .gamma_n = 1.5};
+        law l = {.k_n = 1e4, .normal = SD_NORMAL_HERTZ, .damping_pulls = pulls, .gamma_n = 1.5};
         hit h = head_on(&l, speeds[k], (sd_integrator)i, false, BRIEF(100000, 20000));
         double residual, e = restitution(&l, &h, speeds[k], &residual);
         reference q = reference_new(&l, &h);
@@ -147,7 +148,7 @@ static void hertz_viscosity(void **unused) {
 /* Without the cutoff the force at the end is -gamma_n e v; with it, it is never below 0. */
 static void pull(void **unused) {
   for (int pulls = 0; pulls < 2; pulls++) {
-    law l = {.k_n = 1e4, .gamma_n = 20, .pulls = pulls};
+    law l = {.k_n = 1e4, .gamma_n = 20, .damping_pulls = pulls};
     hit h = head_on(&l, 1, SD_VERLET, false, 100000);
     sd_simulation *s = laws_impact(&l, &h);
     double least = 0, b = l.gamma_n / (2 * sqrt(l.k_n * hit_mass(&h)));

@@ -18,7 +18,7 @@ static void dashpot(void **unused) {
   for (int pair = 0; pair < 2; pair++)
     for (int mindlin = 0; mindlin < 2; mindlin++)
       for (int i = 0; i < 2; i++) {
-        law l = {.k_n = 1e6, .mu = 1e6, .k_t = 1e4, .gamma_t = 8, .mindlin = mindlin};
+        law l = {.k_n = 1e6, .mu = 1e6, .k_t = 1e4, .gamma_t = 8, .tangential = mindlin};
         const double dt = 2e-6, rb = 0.3, mb = 0.2, overlap = pair ? 1e-3 : m * g / l.k_n,
                      speed = 0.1;
         if (mindlin) l.k_t = 1e4 / sqrt(overlap);
@@ -69,27 +69,32 @@ static const struct {
     {"spring", {.k_n = 1e4, .gamma_n = 3, .mu = 0.4, .k_t = 7e3}},
     {"spring and dashpot", {.k_n = 1e4, .gamma_n = 3, .mu = 0.4, .k_t = 7e3, .gamma_t = 2}},
     {"mindlin",
-     {.hertz = true, .k_n = 1e5, .restitution = 0.8, .mu = 0.4, .k_t = 1.2e5, .mindlin = true}},
-    {"mindlin and dashpot",
-     {.hertz = true,
+     {.normal = SD_NORMAL_HERTZ,
       .k_n = 1e5,
       .restitution = 0.8,
       .mu = 0.4,
       .k_t = 1.2e5,
-      .mindlin = true,
+      .tangential = SD_TANGENTIAL_MINDLIN}},
+    {"mindlin and dashpot",
+     {.normal = SD_NORMAL_HERTZ,
+      .k_n = 1e5,
+      .restitution = 0.8,
+      .mu = 0.4,
+      .k_t = 1.2e5,
+      .tangential = SD_TANGENTIAL_MINDLIN,
       .gamma_t = 1}},
     {"kinetic friction",
      {.k_n = 1e4, .restitution = 0.9, .mu = 0.5, .mu_kinetic = 0.2, .k_t = 7e3}},
     {"everything",
-     {.hertz = true,
+     {.normal = SD_NORMAL_HERTZ,
       .k_n = 1e5,
       .restitution = 0.8,
       .gamma_n = 0.5,
-      .pulls = true,
+      .damping_pulls = true,
       .mu = 0.5,
       .mu_kinetic = 0.3,
       .k_t = 1.2e5,
-      .mindlin = true,
+      .tangential = SD_TANGENTIAL_MINDLIN,
       .gamma_t = 1,
       .k_r = 3e3,
       .gamma_r = 0.5,
@@ -109,7 +114,8 @@ static void oblique(void **unused) {
                  .mass = {0.7, 0.2},
                  .beta = -0.4 + 0.3 * (double)k};
         h.integrator = floor ? SD_GEAR5 : SD_VERLET;
-        double along = floor ? -0.5 * M_PI : h.beta, speed = 0.5, rate = l->hertz ? 70 : 150;
+        double along = floor ? -0.5 * M_PI : h.beta, speed = 0.5,
+               rate = l->normal == SD_NORMAL_HERTZ ? 70 : 150;
         double v = speed * cos(angles[k]), u = speed * sin(angles[k]);
         h.velocity[0][0] = v * cos(along) - u * sin(along);
         h.velocity[0][1] = v * sin(along) + u * cos(along);
@@ -139,8 +145,8 @@ static void oblique(void **unused) {
  * where the spring gives back, and in gross sliding u' = u - 3 mu (1 + e) v at large ones. */
 static void rebound(void **unused) {
   for (int kind = 0; kind < 2; kind++) {
-    law l = {.hertz = kind,
-             .mindlin = kind,
+    law l = {.normal = kind,
+             .tangential = kind,
              .k_n = 1e5,
              .restitution = 0.9,
              .mu = 0.3,
@@ -169,8 +175,11 @@ static void rebound(void **unused) {
 /* Disk 0, whose centre is held and that does not turn in the end (its inertia is huge), feels disk 1 come and go. Returns the energy
  * stored tangentially at the end. turns: swings of the angle to one of the overlap. */
 static double driven_cycle(bool mindlin, int turns, double periods, double dt, double *lost) {
-  const law l = {
-      .hertz = true, .mindlin = mindlin, .k_n = 1e4, .k_t = mindlin ? 3e5 : 1e4, .mu = 1e9};
+  const law l = {.normal = SD_NORMAL_HERTZ,
+                 .tangential = mindlin,
+                 .k_n = 1e4,
+                 .k_t = mindlin ? 3e5 : 1e4,
+                 .mu = 1e9};
   text t = {0};
   head(&t, dt, SD_VERLET);
   text_add(&t, "materials = ( ");
