@@ -180,8 +180,10 @@ HELPER int reference_rates(double t, const double s[], double f[], void *user) {
   double reduced = flat ? ra : ra * rb / sum;
   double rolling = reduced * (s[RATE + 2] - s[RATE + 5]);
   q->roll_limit = cap * l->mu_r;
-  double couple =
-      delta > 0 ? -reduced * limited(l->k_r * s[ROLL], l->gamma_r * rolling, q->roll_limit) : 0;
+  double couple = delta > 0
+                      ? -reduced * (limited(l->k_r * s[ROLL], l->gamma_r * rolling, q->roll_limit) +
+                                    l->drag_r * rolling)
+                      : 0;
 
   double force[6] = {
       -normal * nx - tau * lever * ny, -normal * ny + tau * lever * nx, tau * ra + couple,

@@ -43,6 +43,7 @@ typedef struct sd_contact_law {
   sd_tangential_law tangential; /* kind of tangential spring */
   double gamma_t;               /* tangential viscosity, force time/length, >= 0 */
   double k_r, gamma_r; /* rolling stiffness, force/length, and viscosity, force time/length; >= 0 */
+  double drag_r;       /* rolling viscosity without limit, force time/length, >= 0 */
   double mu_r;         /* coefficient of rolling friction, >= 0 */
   sd_cohesion_law cohesion; /* kind of attraction between the surfaces */
   double pull_off;          /* largest attraction (unit: force); must be > 0 with an attraction */

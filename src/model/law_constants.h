@@ -37,6 +37,7 @@ static inline bool law_is_constant(const sd_contact_law *l) {
   ROW(LAW_ROLLING, k_r, l->k_r)                                                                    \
   ROW(LAW_ROLLING, cap_r, law_ratio(l->mu_r, l->k_r))                                              \
   ROW(LAW_ROLLING, dashpot_ratio_r, law_ratio(l->gamma_r, l->k_r))                                 \
+  ROW(LAW_ROLLING, drag_r, l->drag_r)                                                              \
   ROW(LAW_COHESION, bridge, law_is_bridge(l))                                                      \
   ROW(LAW_COHESION, pull_off, l->cohesion == SD_COHESION_NONE ? 0.0 : l->pull_off)                 \
   ROW(LAW_COHESION, range, l->cohesion == SD_COHESION_NONE ? 0.0 : l->range)                       \

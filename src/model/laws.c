@@ -56,6 +56,8 @@ static const deck_key law_keys[] = {
      SETS(sd_contact_law, k_r)},
     {"gamma_r", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL,
      "rolling viscosity, within the limit of rolling friction", SETS(sd_contact_law, gamma_r)},
+    {"drag_r", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL,
+     "rolling viscosity without limit, also without k_r", SETS(sd_contact_law, drag_r)},
     {"mu_r", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL,
      "coefficient of rolling friction: the couple is at most mu_r R_eff F_n",
      SETS(sd_contact_law, mu_r)},
@@ -141,7 +143,7 @@ unsigned law_features(const sd_contact_law *law) {
   if (law->mu_kinetic > 0 && law->mu_kinetic < law->mu) f |= LAW_KINETIC;
   if (law->k_t > 0 && law->tangential == SD_TANGENTIAL_MINDLIN) f |= LAW_MINDLIN;
   if (law->gamma_t > 0) f |= LAW_DASHPOT;
-  if (law->k_r > 0) f |= LAW_ROLLING;
+  if (law->k_r > 0 || law->drag_r > 0) f |= LAW_ROLLING;
   if (law->cohesion != SD_COHESION_NONE) f |= LAW_COHESION;
   if (law->cohesion == SD_COHESION_BRIDGE) f |= LAW_BRIDGE;
   if (law->E_star > 0) f |= LAW_RADIUS;

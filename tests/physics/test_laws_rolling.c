@@ -262,5 +262,26 @@ static void turning_floor(void **unused) {
   system_end(s);
 }
 
-RUN_TESTS(TEST(rocking), TEST(rolling_to_rest), TEST(slope), TEST(held_pair), TEST(round_walls),
-          TEST(turning_floor))
+/* A disk that rolls on a floor slows down as exp(-t drag_r/(3 m/2)); all that it loses is viscous. */
+static void drag(void **unused) {
+  for (int i = 0; i < 2; i++) {
+    const law l = {.k_n = 1e5, .k_t = 4e5, .gamma_t = 40, .mu = 1e3, .drag_r = 2};
+    const double dt = 2e-6, speed = 0.2, rate = l.drag_r / (1.5 * m), t = 0.4;
+    sd_simulation *s = lying(&l, (sd_integrator)i, dt, speed, 0);
+    system_advance(s, (int64_t)(t / dt));
+    const system_body b = system_at(s, 0);
+    const sd_energy e = sd_simulation_energy(s);
+    const double lost = 0.75 * m * speed * speed * (1 - exp(-2 * rate * t));
+    print_message("drag, %s: speed %.8f, expected %.8f, viscous %.8f, expected %.8f\n",
+                  system_integrators[i], b.vx, speed * exp(-rate * t), e.viscous, lost);
+    SYSTEM_NEAR(b.vx, speed * exp(-rate * t), 1e-4 * speed, "speed");
+    SYSTEM_NEAR(R * (double)b.theta, -b.x, 1e-4 * speed * t, "it rolls");
+    SYSTEM_NEAR(e.viscous, lost, 1e-3 * lost, "loss");
+    SYSTEM_NEAR(e.rolling + e.friction, 0, 1e-12, "nothing else is lost");
+    assert_true(laws_residual(s) < 1e-6);
+    system_end(s);
+  }
+}
+
+RUN_TESTS(TEST(rocking), TEST(drag), TEST(rolling_to_rest), TEST(slope), TEST(held_pair),
+          TEST(round_walls), TEST(turning_floor))

@@ -6,6 +6,7 @@
  */
 #include "deck_runs.h"
 #include "model/advice.h"
+#include "model/laws.h"
 #include "model/model.h"
 
 /* k_n = 1, m = 1: w^2 = 2, c = 2 gamma_n = 2 zeta w. */
@@ -140,7 +141,26 @@ static void a_failed_run_tells_how_near_dt_is(void **unused) {
   sd_model_free(far);
 }
 
-RUN_TESTS(TEST(limits_are_where_motion_begins_to_grow),
+/* Each number of a contact law changes the limit, or is listed here as one that does not. */
+static void every_constant_is_known(void **unused) {
+  static const char *const no_limit[] = {"mu",    "mu_kinetic", "mu_r",   "pull_off",
+                                         "range", "rupture",    "E_star", "poisson"};
+  const sd_contact_law base = {.k_n = 1, .k_t = 1, .mu = 1, .restitution = 0.5};
+  const deck_key *key;
+  for (size_t k = 0; (key = deck_key_at(&law_table, k)); k++) {
+    sd_contact_law changed = base;
+    bool listed = false;
+    for (size_t n = 0; n < sizeof no_limit / sizeof *no_limit; n++)
+      listed |= strcmp(key->name, no_limit[n]) == 0;
+    if (key->target != DECK_SETS_NUMBER || listed) continue;
+    *(double *)(void *)((char *)&changed + key->offset) += 0.25;
+    if (law_is_as_stiff(&base, &changed))
+      fail_msg("%s: model/stability.c does not know it; if it sets no limit, list it here",
+               key->name);
+  }
+}
+
+RUN_TESTS(TEST(every_constant_is_known), TEST(limits_are_where_motion_begins_to_grow),
           TEST(limits_follow_from_spring_and_viscosity),
           TEST(a_step_beyond_the_limit_is_an_error_unless_asked_for),
           TEST(a_failed_run_tells_how_near_dt_is))

@@ -2,7 +2,8 @@
  *
  *   rho = R_eff (theta_a - theta_b) - rho*, R_eff = R_a R_b/(R_a + R_b);
  *         rho* is shifted so that |rho| <= mu_r F/k_r
- *   f   = -(k_r rho + gamma_r drho/dt), |f| <= mu_r F; couple: R_eff f on a, the opposite on b
+ *   f   = -(k_r rho + gamma_r drho/dt), |f| <= mu_r F, and -drag_r drho/dt without limit
+ *   couple: R_eff f on a, the opposite on b
  *
  * (Luding, Granular Matter 10, 235; Ai, Chen, Rotter, Ooi, Powder Technology 206, 269, model C).
  * rho, like lambda, is a function of the two angles, so it cannot drift. F and the dashpot are
@@ -32,10 +33,11 @@ LANE_INLINE void LANE(rolling_history)(const LANE(pair_geometry) * g,
   LANE(real) cap = k->cap_r * limit;
   LANE(real) capped = LANE(max)(LANE(min)(rho, cap), -cap), slip = rho - capped;
   LANE(real) both = LANE(max)(LANE(min)(capped + k->dashpot_ratio_r * g->rolls, cap), -cap);
-  LANE(real) drag = k->k_r * (both - capped), drag_before = -m->roll - k->k_r * m->rho;
+  LANE(real) free = LANE(mask_zero)(closed, k->drag_r * g->rolls);
+  LANE(real) drag = k->k_r * (both - capped) + free, drag_before = -m->roll - k->k_r * m->rho;
   out->rolling = half * k->k_r * (m->rho + capped) * slip;
   out->viscous = out->viscous + half * (drag_before + drag) * moved;
   m->rho_ref = m->rho_ref + slip;
   m->rho = capped;
-  m->roll = -(k->k_r * both);
+  m->roll = -(k->k_r * both) - free;
 }

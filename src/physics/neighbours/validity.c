@@ -459,7 +459,8 @@ static void check_closed(const engine *e, size_t k) {
     assert(r.pull >= 0.0 && r.pull <= law->pull_off &&
            (r.overlap > 0.0 || limit <= ROUNDING * r.pull));
     assert(fabs(r.tau) <= law->cap * law->k_t * (limit + ROUNDING * r.pull) * (1.0 + ROUNDING));
-    assert(fabs(r.roll) <= law->cap_r * law->k_r * (limit + ROUNDING * r.pull) * (1.0 + ROUNDING));
+    assert(law->drag_r > 0.0 ||
+           fabs(r.roll) <= law->cap_r * law->k_r * (limit + ROUNDING * r.pull) * (1.0 + ROUNDING));
   } else {
     assert(r.force >= 0.0 && r.overlap > 0.0 && r.pull == 0.0 && r.roll == 0.0);
     assert(fabs(r.zeta) <= cap * (1.0 + ROUNDING));
