@@ -34,6 +34,7 @@ set(sd_needs
   "module yaml python3-yaml --tests test_version[.]py"
   "command ffmpeg ffmpeg --tests test_(plot_film|private|typing)[.]py"
   "command ffprobe ffmpeg --tests test_plot_film[.]py"
+  "command xxhsum xxhash --tests test_checksums[.]py"
   "command parallel parallel --tests test_cluster[.]py"
   "command mandoc mandoc --tests test_manual[.]py"
   "command script bsdutils --tests test_manual[.]py"

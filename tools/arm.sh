@@ -29,7 +29,7 @@ fetch() {
 
 if [ ! -d "$root" ]; then
   rm -rf "$root.new"
-  fetch libgsl-dev libhdf5-dev libconfig-dev libjansson-dev zlib1g-dev libcmocka-dev
+  fetch libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libxxhash-dev zlib1g-dev libcmocka-dev
   mv "$root.new" "$root"
 fi
 cmake -S . -B build/arm -G Ninja --log-level=WARNING --toolchain tools/cmake/aarch64.cmake -DSLIPDISK_ARM_ROOT="$root" \

@@ -16,7 +16,7 @@ case " $* " in
 esac
 
 packages=(gcc libc6-dev make cmake ninja-build pkg-config
-          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libmicrohttpd-dev zlib1g-dev)
+          libgsl-dev libhdf5-dev libconfig-dev libjansson-dev libmicrohttpd-dev libxxhash-dev zlib1g-dev)
 site=(python3-sphinx python3-myst-parser python3-breathe doxygen furo python3-sphinx-copybutton libjs-katex fonts-katex
       node-normalize.css python3-numpy python3-h5py python3-matplotlib)
 notebooks=(python3-pandas python3-xarray python3-tqdm python3-nbconvert python3-ipykernel)
@@ -29,7 +29,7 @@ for option in "$@"; do
       tests=yes
       packages+=("${notebooks[@]}")
       packages+=(git binutils libcmocka-dev librandom123-dev clang clang-format-14 clang-tidy-14
-                 python3-venv hdf5-tools parallel
+                 python3-venv hdf5-tools parallel xxhash
                  ccache gcovr mypy
                  chromium chromium-driver python3-selenium python3-mdanalysis python3-vtk9 python3-ase lammps
                  poppler-utils mandoc mmdebstrap "${site[@]}" "${deb[@]}" "${plot[@]}") ;;

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "app/app.h"
+#include "base/hash.h"
 #include "base/text.h"
 #include "io/results/checkpoint.h"
 #include "io/results/record.h"
@@ -45,6 +46,11 @@ static void tell_damaged(verifier *v, const char *path, const sd_messages *why) 
   sd_messages_print(why, stderr);
 }
 
+/* Prints that a file is sound, with the checksum of its bytes as `xxhsum -H3` prints it. */
+static void tell_sound(const char *path, uint64_t sum) {
+  printf("%s: sound, %.3g MB, XXH3 %016" PRIx64 "\n", path, (double)file_size(path) / 1e6, sum);
+}
+
 static bool verify_file(verifier *v, const char *path) {
   sd_messages *why = sd_messages_new();
   bool sealed = false;
@@ -63,7 +69,7 @@ static bool verify_file(verifier *v, const char *path) {
   else if (!v->quiet && !sealed)
     printf("%s: can be read, %.3g MB, without a checksum\n", path, (double)file_size(path) / 1e6);
   else if (!v->quiet)
-    printf("%s: sound, %.3g MB, sum %016" PRIx64 "\n", path, (double)file_size(path) / 1e6, sum);
+    tell_sound(path, sum);
   sd_messages_free(why);
   return status == SD_OK;
 }
@@ -93,6 +99,15 @@ static void verify_chain(verifier *v, const char *inside, const char *checkpoint
   sd_messages_free(why);
 }
 
+/* Returns true if these bytes have the checksum of a list in table.h5: "XXH3_" and 16 digits, or
+ * digits only, a hash_words of versions up to 0.6. */
+static bool is_sum_of(const char *text, const void *bytes, size_t size) {
+  static const char kind[] = "XXH3_";
+  const bool words = strncmp(text, kind, strlen(kind)) != 0;
+  return (words ? hash_words(HASH_WORDS, bytes, size) : file_sum(bytes, size)) ==
+         strtoull(words ? text : text + strlen(kind), NULL, 16);
+}
+
 /* Checks a file of a sweep against a line of the list in its table.h5: it must be there and, if the
  * line gives a checksum, have it. */
 static void verify_listed(verifier *v, const char *inside, char *line) {
@@ -108,7 +123,7 @@ static void verify_listed(verifier *v, const char *inside, char *line) {
     status = sd_fail(why, SD_ERROR_IO, "%s is missing: %s/table.h5 names it", path, inside);
   else if (sums)
     status = file_read(path, SIZE_MAX, &bytes, &size, why);
-  if (status == SD_OK && sums && file_sum(FILE_SUM, bytes, size) != strtoull(sum, NULL, 16))
+  if (status == SD_OK && sums && !is_sum_of(sum, bytes, size))
     status = sd_fail(why, SD_ERROR_IO,
                      "%s is not the table that %s/table.h5 belongs to; slipdisk sweep DECK --table "
                      "makes both anew",
@@ -117,7 +132,7 @@ static void verify_listed(verifier *v, const char *inside, char *line) {
   if (status != SD_OK)
     tell_damaged(v, path, why);
   else if (sums && !v->quiet)
-    printf("%s: sound, %.3g MB\n", path, (double)size / 1e6);
+    tell_sound(path, file_sum(bytes, size));
   free(bytes);
   free(path);
   sd_messages_free(why);

@@ -204,7 +204,8 @@ static void fill_means(result_table *m, const sweep *s, const result_table *t) {
  * checksums, and the results of finished points. `slipdisk verify` compares it with the folder. */
 static char *list_files(const sweep *s, const result_table *t, uint64_t table, uint64_t means) {
   const result_column *status = result_table_find(t, "status");
-  char *text = format_text("table.csv %016" PRIx64 "\nmeans.csv %016" PRIx64 "\n", table, means);
+  char *text =
+      format_text("table.csv XXH3_%016" PRIx64 "\nmeans.csv XXH3_%016" PRIx64 "\n", table, means);
   for (size_t k = 0; status && k < t->n_rows; k++)
     if (strcmp(status->text[k], sweep_status_names[SWEEP_DONE]) == 0)
       text = append_text(text, "points/%s.h5\n", s->deck.points[k].name);
@@ -440,7 +441,7 @@ sd_status result_table_write_csv(const result_table *s, const char *path, uint64
     fputc('\n', out);
   }
   if (fclose(out) != 0) memory_lacks(0);
-  *sum = file_sum(FILE_SUM, text, size);
+  *sum = file_sum(text, size);
   sd_status status = file_write_atomic(path, text, size, messages);
   free(text);
   return status;

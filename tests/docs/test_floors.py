@@ -4,7 +4,7 @@
 - A floor with rooms: a file includes only headers of its own room or of rooms below, so that no circle runs through two.
 - Files outside a room with doors include its doors only.
 - A public header includes public headers and the C library only.
-- libconfig, HDF5, MPI and Zoltan are each seen by the files of one name only; GSL is seen by the core through base/gsl.h.
+- libconfig, HDF5, MPI, Zoltan and xxHash are each seen by the files of one name only; GSL is seen by the core through base/gsl.h.
 - `work` is the engine's own: outside physics/ nothing reaches into it (physics/step/access.h is the door).
 - Nothing below app/ ends the process.
 - No source file and no test has 800 lines or more.
@@ -25,7 +25,7 @@ DOORS = {"io/deck": ["deck"], "io/store": ["file", "folder", "h5"],
          "app/view": ["view"]}
 FLOORS = ["base", "model", "physics", "pack", "theory", "measure", "io", "run", "app"]
 ONLY = {"libconfig.h": "io/deck/", "hdf5.h": "io/store/h5", "hdf5_hl.h": "io/store/h5", "mpi.h": "base/comm",
-        "zoltan.h": "base/comm_cuts"}
+        "zoltan.h": "base/comm_cuts", "xxhash.h": "io/store/file_sum"}
 LINES = 800
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)
 ENDS = re.compile(r"\b(?:exit|_exit|_Exit|quick_exit|abort)\s*\(")

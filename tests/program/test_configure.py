@@ -92,7 +92,7 @@ class Configured(Folder):
             "-DZOLTAN_INCLUDE_DIR=ZOLTAN_INCLUDE_DIR-NOTFOUND", "-DPKG_CONFIG_EXECUTABLE=" + str(shutil.which("pkg-config")))
         self.assertEqual((status, said.count("CMake Error")), (1, 1), said)
         rows = re.findall(r"^ +(\S+): (.*) \(conda-forge: \S+\)$", said, re.M)
-        self.assertEqual([name for name, _ in rows], ["GSL", "HDF5", "zlib", "libconfig", "jansson", "MPI", "Zoltan"])
+        self.assertEqual([name for name, _ in rows], ["GSL", "HDF5", "zlib", "libconfig", "jansson", "xxhash", "MPI", "Zoltan"])
         for package in " ".join(packages for _, packages in rows).split():
             self.assertRegex(DEPENDENCIES, rf"[ (]{package}[ )\n]")
         self.assertIn("tools/install_deps.sh --mpi installs", " ".join(said.split()))

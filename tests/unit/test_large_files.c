@@ -214,9 +214,9 @@ static void spoil(const char *text) {
 }
 
 static void test_result_seals(void **unused) {
-  static const char *const where[] = {"needle in a dataset", "needle in an attribute", "slipseal",
+  static const char *const where[] = {"needle in a dataset", "needle in an attribute", "slipxxh3",
                                       NULL};
-  static const char *const after[] = {"neddle in a dataset", "neddle in an attribute", "slhpseal",
+  static const char *const after[] = {"neddle in a dataset", "neddle in an attribute", "slhpxxh3",
                                       NULL};
   /* one is checked as a whole, of the other only the small data when it is opened */
   const size_t sizes[] = {100000, 9 << 20};

@@ -10,12 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hash.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "io/deck/deck.h"
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_result.h"
-#include "io/store/file.h"
 #include "model/rows.h"
 #include "slipdisk/deck.h"
 
@@ -104,9 +104,9 @@ static uint64_t sum_disk(const sd_model *m, const sd_disk *d, uint32_t number) {
                          d->position[2], d->velocity[0], d->velocity[1], d->velocity[2]};
   const int32_t whole[] = {d->material, d->locked[0], d->locked[1], d->locked[2], d->driven};
   const char *group = group_of(m, d);
-  uint64_t sum = file_sum(FILE_SUM, &number, sizeof number);
-  sum = file_sum(file_sum(sum, real, sizeof real), whole, sizeof whole);
-  return file_sum(sum, group, strlen(group));
+  uint64_t sum = hash_words(HASH_WORDS, &number, sizeof number);
+  sum = hash_words(hash_words(sum, real, sizeof real), whole, sizeof whole);
+  return hash_words(sum, group, strlen(group));
 }
 
 static void add_input(int64_t *sum, const sd_model *m, const sd_disk *d, uint32_t number) {
@@ -349,8 +349,8 @@ bool deck_parts_begin(deck *d, size_t entry) {
 
 static void add_contact(int64_t *sum, const sd_contact_memory *c) {
   const uint32_t whole[] = {c->a, c->b, c->part, (uint32_t)c->slide};
-  uint64_t one = file_sum(file_sum(FILE_SUM, whole, sizeof whole), &c->side, sizeof c->side);
-  one = file_sum(one, &c->record, sizeof c->record);
+  uint64_t one = hash_words(hash_words(HASH_WORDS, whole, sizeof whole), &c->side, sizeof c->side);
+  one = hash_words(one, &c->record, sizeof c->record);
   *sum = (int64_t)((uint64_t)*sum + one);
 }
 

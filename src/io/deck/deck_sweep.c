@@ -1,5 +1,6 @@
 /* deck_sweep.c: forms all points (sets of parameter values) of a sweep; see deck.h. The group
  * `sweep` is read by deck_grid.c. */
+#include "base/hash.h"
 #include "base/memory.h"
 #include "io/deck/deck.h"
 
@@ -13,7 +14,6 @@
 #include "io/deck/deck_expression.h"
 #include "io/deck/deck_grid.h"
 #include "io/deck/deck_read.h"
-#include "io/store/file.h"
 #include "slipdisk/deck.h"
 
 /* Largest length of the name of a point; longer names, which become file names, are cut. */
@@ -38,13 +38,13 @@ static int64_t mixed(uint64_t z) {
   return (int64_t)((z ^ (z >> 31)) >> 11);
 }
 
-/* Returns a checksum of the point's settings, the number of its replica and the deck's seed. It
+/* Returns a hash of the point's settings, the number of its replica and the deck's seed. It
  * does not depend on the other points of the sweep. */
 static uint64_t point_sum(const sweep_point *p, int64_t replica, int64_t seed) {
-  uint64_t sum = file_sum(FILE_SUM, &seed, sizeof seed);
+  uint64_t sum = hash_words(HASH_WORDS, &seed, sizeof seed);
   for (size_t k = 0; k < p->n_overrides; k++)
-    sum = file_sum(sum, p->overrides[k], strlen(p->overrides[k]) + 1);
-  return file_sum(sum, &replica, sizeof replica);
+    sum = hash_words(sum, p->overrides[k], strlen(p->overrides[k]) + 1);
+  return hash_words(sum, &replica, sizeof replica);
 }
 
 /* Turns the text of a value into a part of a file name, in place: characters other than letters,

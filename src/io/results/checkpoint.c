@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hash.h"
 #include "base/memory.h"
 #include "base/team.h"
 #include "base/text.h"
@@ -87,13 +88,13 @@ int64_t checkpoint_count_contacts(const h5_file *file) {
   return h5_get_attr_i64(file, "/state", "n_contacts", -1);
 }
 
-/* Returns a checksum of all columns of the state. A sum over 64-bit words takes a tenth of the time
+/* Returns a hash of all columns of the state. One over 64-bit words takes a tenth of the time
  * of the bytewise sd_state_hash. */
 uint64_t checkpoint_sum_of(const sd_state *state) {
-  uint64_t sum = FILE_SUM;
+  uint64_t sum = HASH_WORDS;
   for (size_t k = 0; k < sd_field_count; k++)
-    sum = file_sum(sum, sd_field_data(state, &sd_fields[k]),
-                   sd_extent_size(state, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
+    sum = hash_words(sum, sd_field_data(state, &sd_fields[k]),
+                     sd_extent_size(state, sd_fields[k].extent) * sd_type_size(sd_fields[k].type));
   return sum;
 }
 

@@ -136,7 +136,7 @@ extern const checkpoint_extent checkpoint_extents[CHECKPOINT_EXTENTS];
 size_t checkpoint_extent_of(const sd_state *sizes, size_t k);
 /* Returns the number of contacts stored in the file; -1: the attribute is missing. */
 int64_t checkpoint_count_contacts(const h5_file *file);
-/* Returns a checksum of all columns of a state, computed by 64-bit words (file_sum). */
+/* Returns a checksum of all columns of a state, computed by 64-bit words (hash_words). */
 uint64_t checkpoint_sum_of(const sd_state *state);
 /* Writes the hash of a state (sd_state_hash) as 16 hexadecimal digits into `text`, and returns
  * `text`. */

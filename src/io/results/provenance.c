@@ -11,6 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/hash.h"
 #include "base/memory.h"
 #include "base/text.h"
 #include "io/store/file.h"
@@ -113,41 +114,42 @@ static void author_of(char *text, size_t size) {
 static uint64_t sum_packing(uint64_t sum, const sd_model *model) {
   /* contacts of a large packing file have a checksum of their own */
   const bool large = model->tiles.n_contacts > 0;
-  if (large) sum = file_sum(sum, &model->tiles.contact_inputs, sizeof model->tiles.contact_inputs);
+  if (large)
+    sum = hash_words(sum, &model->tiles.contact_inputs, sizeof model->tiles.contact_inputs);
   for (size_t k = 0; !large && k < model->n_memories; k++) {
     const sd_contact_memory *c = &model->memories[k];
     const uint32_t body[] = {c->a, c->b, c->part, (uint32_t)c->slide};
-    sum = file_sum(file_sum(sum, body, sizeof body), &c->side, sizeof c->side);
-    sum = file_sum(sum, &c->record, sizeof c->record);
+    sum = hash_words(hash_words(sum, body, sizeof body), &c->side, sizeof c->side);
+    sum = hash_words(sum, &c->record, sizeof c->record);
   }
   for (size_t k = 0; (large || model->n_memories) && k < model->n_walls; k++) {
     const sd_wall *w = &model->walls[k];
-    sum = file_sum(file_sum(sum, w->pivot, sizeof w->pivot), &w->radius, sizeof w->radius);
-    if (w->n_points) sum = file_sum(sum, w->points, w->n_points * sizeof *w->points);
+    sum = hash_words(hash_words(sum, w->pivot, sizeof w->pivot), &w->radius, sizeof w->radius);
+    if (w->n_points) sum = hash_words(sum, w->points, w->n_points * sizeof *w->points);
   }
   return sum;
 }
 
 int64_t provenance_inputs(const sd_model *model) {
-  uint64_t sum = FILE_SUM;
+  uint64_t sum = HASH_WORDS;
   if (model->parted) return model->inputs;
   /* Disks of a packing generated in tiles (rectangles of the region) follow from the deck's text,
    * and a large packing file has a checksum of its own, so the disks of tiles are skipped below. */
   const sd_tiles *t = &model->tiles;
-  if (t->inputs != 0) sum = file_sum(sum, &t->inputs, sizeof t->inputs);
+  if (t->inputs != 0) sum = hash_words(sum, &t->inputs, sizeof t->inputs);
   for (size_t k = 0; k < model_held(model); k++) {
     if (k >= t->first && k < t->first + t->count) continue;
     const sd_disk *d = &model->disks[k];
     const double real[] = {d->radius, d->mass, d->inertia, d->force[0], d->force[1], d->force[2]};
     const int32_t whole[] = {d->material,  d->group,     d->locked[0],
                              d->locked[1], d->locked[2], d->driven};
-    sum = file_sum(file_sum(sum, real, sizeof real), whole, sizeof whole);
+    sum = hash_words(hash_words(sum, real, sizeof real), whole, sizeof whole);
   }
   for (size_t k = 0; k < model->n_motions; k++) {
     const sd_motion *m = &model->motions[k];
     if (!m->n_table) continue;
-    sum = file_sum(sum, m->table_time, m->n_table * sizeof *m->table_time);
-    sum = file_sum(sum, m->table_value, m->n_table * sizeof *m->table_value);
+    sum = hash_words(sum, m->table_time, m->n_table * sizeof *m->table_time);
+    sum = hash_words(sum, m->table_value, m->n_table * sizeof *m->table_value);
   }
   return (sum = sum_packing(sum, model)) ? (int64_t)sum : 1;
 }

@@ -540,21 +540,19 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
   return status;
 }
 
-sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_messages *messages) {
-  /* Number of bytes read at a time; a multiple of 8, so that the checksum continued piece by piece
-   * is that of the whole file */
-  enum { PIECE = 1 << 20 };
-  *sum = FILE_SUM;
+sd_status file_visit(int fd, const char *path, uint64_t from, uint64_t to, file_visitor *take,
+                     void *with, sd_messages *messages) {
+  enum { PIECE = 1 << 20 }; /* number of bytes read at a time, a multiple of 8 (hash_words) */
   unsigned char *buffer = memory_grow(NULL, 1, PIECE);
   sd_status status = SD_OK;
-  for (uint64_t at = 0; status == SD_OK && at < n;) {
-    size_t want = n - at < PIECE ? (size_t)(n - at) : PIECE, have;
+  for (uint64_t at = from; status == SD_OK && at < to;) {
+    size_t want = to - at < PIECE ? (size_t)(to - at) : PIECE, have;
     if (!file_read_at(fd, at, buffer, want, &have))
       status = file_fail(messages, "read", path);
     else if (have < want)
       status = sd_fail(messages, SD_ERROR_IO, "%s has become shorter while it was read", path);
-    else
-      *sum = file_sum(*sum, buffer, have);
+    else if (take)
+      take(with, buffer, have);
     at += want;
   }
   free(buffer);
@@ -562,11 +560,11 @@ sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_me
 }
 
 sd_status file_read_through(const char *path, sd_messages *messages) {
-  uint64_t size, sum;
+  uint64_t size;
   const int fd = file_open_quiet(path, &size);
   if (fd < 0)
     return sd_fail(messages, SD_ERROR_IO, "cannot read %s: %s", path, file_error_text(errno));
-  const sd_status status = file_sum_of(fd, path, size, &sum, messages);
+  const sd_status status = file_visit(fd, path, 0, size, NULL, NULL, messages);
   close(fd);
   return status;
 }
@@ -720,7 +718,7 @@ typedef struct turn {
   gathering *g;
   unsigned char *full, *empty;
   size_t have, next;
-  uint64_t *sum;
+  file_digest *digest;
 } turn;
 
 /* Task of two threads: the first writes the full buffer to disk, the last fills the empty one and
@@ -730,21 +728,21 @@ static void turn_together(const team *t, void *with) {
   if (t->rank == 0) f->error = write_buffer(f->fd, f->full, f->have, &f->direct);
   if (t->rank != t->size - 1) return;
   f->next = gather(f->g, f->empty);
-  *f->sum = file_sum(*f->sum, f->empty, f->next);
+  file_digest_add(f->digest, f->empty, f->next);
 }
 
-/* Writes pieces through two buffers; returns false, with errno set, if that fails. *sum receives
- * the checksum of all bytes. */
-static bool write_long(int fd, gathering *g, unsigned char *buffers, uint64_t *sum) {
+/* Writes pieces through two buffers, and adds them to the digest; returns false, with errno set, if
+ * that fails. */
+static bool write_long(int fd, gathering *g, unsigned char *buffers, file_digest *digest) {
   turn f = {.fd = fd,
             .direct = set_direct(fd, true),
             .g = g,
             .full = buffers,
             .empty = buffers + BUFFER,
-            .sum = sum};
+            .digest = digest};
   pool *two = pool_new(2);
   f.have = gather(g, f.full);
-  *sum = file_sum(*sum, f.full, f.have);
+  file_digest_add(digest, f.full, f.have);
   while (f.have > 0 && f.error == 0) {
     pool_run(two, turn_together, &f);
     unsigned char *full = f.empty;
@@ -763,13 +761,15 @@ bool file_write_pieces(int fd, size_t n, const file_piece *pieces, uint64_t *sum
   for (size_t k = 0; k < n; k++) total += pieces[k].size;
   unsigned char *buffers = total >= LONG ? aligned_alloc(PAGE, 2 * (size_t)BUFFER) : NULL;
   bool good = true;
-  *sum = FILE_SUM;
-  if (buffers) good = write_long(fd, &(gathering){.pieces = pieces, .n = n}, buffers, sum);
+  file_digest *digest = file_digest_new();
+  if (buffers) good = write_long(fd, &(gathering){.pieces = pieces, .n = n}, buffers, digest);
   for (size_t k = 0; !buffers && good && k < n; k++) {
-    *sum = file_sum(*sum, pieces[k].bytes, pieces[k].size);
+    file_digest_add(digest, pieces[k].bytes, pieces[k].size);
     good = file_write_all(fd, pieces[k].bytes, pieces[k].size);
   }
   int error = errno;
+  *sum = file_digest_sum(digest);
+  file_digest_free(digest);
   free(buffers);
   errno = error;
   return good;

@@ -98,9 +98,8 @@ typedef struct file_piece {
   const void *bytes;
   size_t size;
 } file_piece;
-/* Writes n pieces one after the other. The sizes of all but the last must be multiples of 8 bytes.
- * *sum receives the checksum (file_sum) of all pieces. Returns false, with errno set, if that
- * fails. */
+/* Writes n pieces one after the other. *sum receives the checksum (file_sum) of all pieces. Returns
+ * false, with errno set, if that fails. */
 bool file_write_pieces(int fd, size_t n, const file_piece *pieces, uint64_t *sum);
 /* Removes drafts (temporary files) of the file `base` that killed processes have left in the
  * folder. The caller must hold the lock of the file. */
@@ -135,9 +134,12 @@ sd_status file_read(const char *path, size_t n, unsigned char **bytes, size_t *s
 /* Reads up to n bytes from offset `at` on; *have receives their number, which is less than n only
  * if the file ends there. Returns false, with errno set, if they cannot be read. */
 bool file_read_at(int fd, uint64_t at, void *bytes, size_t n, size_t *have);
-/* Computes the checksum (file_sum) of the first n bytes of an open file, reading piece by piece.
- * Returns SD_ERROR_IO if the file is shorter or cannot be read. */
-sd_status file_sum_of(int fd, const char *path, uint64_t n, uint64_t *sum, sd_messages *messages);
+/* Takes n bytes of a file, as file_visit has read them. */
+typedef void file_visitor(void *with, const void *bytes, size_t n);
+/* Reads bytes from ... to - 1 of an open file piece by piece, and calls take, which may be NULL,
+ * for each. Returns SD_ERROR_IO if the file is shorter or cannot be read. */
+sd_status file_visit(int fd, const char *path, uint64_t from, uint64_t to, file_visitor *take,
+                     void *with, sd_messages *messages);
 /* Reads all bytes of a regular file. It is called after a file could not be understood: SD_OK says
  * that its content is to blame, SD_ERROR_IO with a message that the disk or a permission is. */
 sd_status file_read_through(const char *path, sd_messages *messages);
@@ -169,11 +171,15 @@ sd_status file_sync_folder(int folder, const char *path, sd_messages *messages);
 /* Removes a file; a failure is not reported. */
 void file_remove(int folder, const char *path);
 
-/* Initial value of the argument `sum` of file_sum. */
-#define FILE_SUM UINT64_C(14695981039346656037)
-/* Returns a checksum that depends on the order of the bytes, to detect damaged files: FNV-1a over
- * 64-bit words and the bytes that remain, continued from `sum`. If it is computed in parts, all but
- * the last must be multiples of 8 bytes. */
-uint64_t file_sum(uint64_t sum, const void *bytes, size_t n);
+/* --- Checksums (file_sum.c) ------------------------------------------------------------------- */
+/* Returns the checksum of these bytes: XXH3, 64 bits, without seed, as `xxhsum -H3` computes it. */
+uint64_t file_sum(const void *bytes, size_t n);
+/* The same checksum, computed piece by piece. */
+typedef struct file_digest file_digest;
+file_digest *file_digest_new(void);
+void file_digest_add(file_digest *d, const void *bytes, size_t n);
+/* Returns the checksum of the pieces added so far; more may follow. */
+uint64_t file_digest_sum(const file_digest *d);
+void file_digest_free(file_digest *d);
 
 #endif

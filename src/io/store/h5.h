@@ -69,7 +69,7 @@ sd_status h5_open_head(const char *path, h5_file **out, sd_messages *messages);
 sd_status h5_open_again(const char *path, h5_file **out, sd_messages *messages);
 /* Checks all of a file against the checksum at its end (seal). Returns SD_ERROR_IO if it does not
  * match or if the file is no HDF5 file. sealed: receives true if there is a checksum; sum: receives
- * it. */
+ * the checksum (file_sum) of the whole file, of which that at its end is the last part. */
 sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *messages);
 /* Replaces the checksum at the end of a file (seal) by that of its present contents, after it was
  * changed on purpose. */

@@ -133,7 +133,7 @@ sd_status h5_save_memory(h5_file *file, void **data, size_t *size, sd_messages *
     if (memory_resize_row(&copy, *size, 1)) {
       for (size_t k = 0, at = 0; k < m.n; at += m.pieces[k++].size)
         memcpy(copy + at, m.pieces[k].bytes, m.pieces[k].size);
-      h5_make_seal(m.size, file_sum(FILE_SUM, copy, m.size), copy + m.size);
+      h5_make_seal(m.size, file_sum(copy, m.size), copy + m.size);
       *data = copy;
     } else {
       status = sd_fail(messages, SD_ERROR_IO, "no memory for a copy of %zu bytes", *size);
@@ -155,17 +155,14 @@ hid_t h5_open_image(const char *name, const void *bytes, size_t size, unsigned f
 }
 
 sd_status h5_open_memory(const void *data, size_t size, h5_file **out, sd_messages *messages) {
-  unsigned char seal[H5_SEAL_BYTES];
-  const size_t body = size < H5_SEAL_BYTES ? 0 : size - H5_SEAL_BYTES;
   *out = NULL;
-  if (body) h5_make_seal(body, file_sum(FILE_SUM, data, body), seal);
-  if (!body || memcmp(seal, (const unsigned char *)data + body, H5_SEAL_BYTES) != 0)
+  if (!h5_seal_fits(data, size))
     return sd_fail(messages, SD_ERROR_IO,
                    "the saved bytes are damaged: their checksum does not fit");
   char name[40];
   h5_memory_name(name, sizeof name);
   *out = h5_allocate(name);
-  (*out)->id = h5_open_image(name, data, body, H5F_ACC_RDONLY);
+  (*out)->id = h5_open_image(name, data, size - H5_SEAL_BYTES, H5F_ACC_RDONLY);
   if ((*out)->id >= 0) return SD_OK;
   h5_release(*out);
   *out = NULL;

@@ -263,31 +263,34 @@ static sd_status check_sealed(const h5_file *file, const h5_mark *mark, sd_messa
  * single ranks (shares). */
 typedef enum trust { AGAIN, QUICK, WHOLE, SEALED, HEAD } trust;
 
-static sd_status open_checked(int folder, const char *path, trust how, h5_file **out, uint64_t *sum,
+/* mark: receives the checksums, may be NULL. */
+static sd_status open_checked(int folder, const char *path, trust how, h5_file **out, h5_mark *mark,
                               sd_messages *messages) {
+  h5_mark own;
+  if (!mark) mark = &own;
+  *mark = (h5_mark){0};
   *out = NULL;
-  h5_mark mark;
   int fd = file_open(folder, path, messages);
   if (fd < 0) return SD_ERROR_IO;
-  sd_status status = h5_read_mark(fd, path, &mark, messages);
-  const bool whole = mark.broken || how >= SEALED ||
-                     (mark.sealed && (how == WHOLE || mark.size <= CHECKED_WHOLE || !h5_probes()));
+  sd_status status = h5_read_mark(fd, path, mark, messages);
+  const bool whole =
+      mark->broken || how >= SEALED ||
+      (mark->sealed && (how == WHOLE || mark->size <= CHECKED_WHOLE || !h5_probes()));
   /* the library crashes with some damaged files: it opens only files that match a checksum, or that
    * another process could read */
   if (status == SD_OK && whole && how != AGAIN)
-    status = h5_check_whole(fd, path, &mark, messages);
-  else if (status == SD_OK && how != AGAIN && (!mark.sealed || mark.has_small))
+    status = h5_check_whole(fd, path, mark, messages);
+  else if (status == SD_OK && how != AGAIN && (!mark->sealed || mark->has_small))
     status =
-        h5_probe(fd, path, mark.sealed ? H5_PROBE_SMALL : H5_PROBE_QUICK, mark.small, messages);
+        h5_probe(fd, path, mark->sealed ? H5_PROBE_SMALL : H5_PROBE_QUICK, mark->small, messages);
   if (status == SD_OK) status = h5_open_descriptor(fd, path, out, messages);
-  if (status == SD_OK && how != AGAIN) status = check_sealed(*out, &mark, messages);
+  if (status == SD_OK && how != AGAIN) status = check_sealed(*out, mark, messages);
   if (status == SD_OK && how != HEAD && h5_has_shares(*out))
     status = h5_join(*out, folder, messages);
   if (status != SD_OK && *out) {
     h5_close(*out, NULL);
     *out = NULL;
   }
-  if (sum) *sum = mark.sum;
   close(fd);
   return status;
 }
@@ -310,19 +313,18 @@ sd_status h5_open_head(const char *path, h5_file **out, sd_messages *messages) {
 
 sd_status h5_open_sealed(int folder, const char *path, h5_file **out, uint64_t *sum,
                          sd_messages *messages) {
-  return open_checked(folder, path, SEALED, out, sum, messages);
+  h5_mark mark;
+  const sd_status status = open_checked(folder, path, SEALED, out, &mark, messages);
+  if (sum) *sum = mark.sum;
+  return status;
 }
 
 sd_status h5_verify(const char *path, bool *sealed, uint64_t *sum, sd_messages *messages) {
   h5_file *file = NULL;
-  h5_mark mark = {0};
-  int fd = file_open(-1, path, messages);
-  if (fd < 0) return SD_ERROR_IO;
-  sd_status status = h5_read_mark(fd, path, &mark, messages);
-  close(fd);
+  h5_mark mark;
+  const sd_status status = open_checked(-1, path, WHOLE, &file, &mark, messages);
   *sealed = mark.sealed || mark.broken;
-  *sum = mark.sum;
-  if (status == SD_OK) status = h5_open_whole(path, &file, messages);
+  *sum = mark.all;
   h5_close(file, NULL);
   return status;
 }

@@ -131,17 +131,22 @@ sd_status h5_compare(const h5_file *file, const h5_file *written, sd_messages *m
 typedef struct h5_mark {
   bool sealed;    /* true if there is a seal, and the file has the size stated in it */
   bool broken;    /* true if there is a seal, but the file has another size */
-  bool has_small; /* true if there is also a checksum of the attributes and small datasets */
+  bool has_small; /* true if there is also a hash of the attributes and small datasets */
   uint64_t size;  /* number of bytes covered by the checksum of the seal */
-  /* sum: checksum of these bytes; small: checksum of the attributes and small datasets */
-  uint64_t sum, small;
+  bool words;     /* true if `sum` is a hash_words, as in files of versions up to 0.6 */
+  /* sum: checksum of these bytes; small: hash of the attributes and small datasets; all: checksum
+   * (file_sum) of the whole file with its seal */
+  uint64_t sum, small, all;
 } h5_mark;
 
 /* Reads the checksum at the end of a file (seal) into *mark; a file without one is no error. */
 sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *messages);
-/* Returns SD_OK if the checksum of an open file, computed now, is that in its seal, `mark`. */
-sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messages *messages);
-/* Computes the checksum of all attributes and of the datasets of up to 64 KiB, in alphabetical
+/* Returns SD_OK if the checksum of an open file, computed now, is that in its seal, `mark`. Sets
+ * mark->all. */
+sd_status h5_check_whole(int fd, const char *path, h5_mark *mark, sd_messages *messages);
+/* Returns true if these bytes are a file with a seal that fits them. */
+bool h5_seal_fits(const void *data, size_t size);
+/* Computes the hash (hash_words) of all attributes and of the datasets of up to 64 KiB, in alphabetical
  * order. */
 sd_status h5_small_sum(const h5_file *file, uint64_t *sum, sd_messages *messages);
 /* Size in bytes of a seal (checksum at the end of a file). */
@@ -149,7 +154,7 @@ enum { H5_SEAL_BYTES = 24 };
 /* Makes the seal (checksum) that belongs at the end of a file of `size` bytes with the checksum
  * `sum`. */
 void h5_make_seal(size_t size, uint64_t sum, unsigned char seal[H5_SEAL_BYTES]);
-/* Appends the checksum `small` of the attributes and small datasets, and then the checksum of all
+/* Appends the hash `small` of the attributes and small datasets, and then the checksum of all
  * bytes (seal), to an open file. */
 sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *messages);
 
@@ -225,7 +230,7 @@ typedef enum h5_probing {
   /* names, attributes and, up to a limit, values; values that cannot be read are no error */
   H5_PROBE_QUICK,
   H5_PROBE_WHOLE, /* names, attributes and all values, which must be readable */
-  H5_PROBE_SMALL  /* attributes and small datasets, whose checksum must be `small` */
+  H5_PROBE_SMALL  /* attributes and small datasets, whose hash must be `small` */
 } h5_probing;
 /* Reads an open file in another process, since the library crashes with some damaged files. Returns
  * SD_ERROR_IO if it crashed there, took too long, or if the file is damaged. */

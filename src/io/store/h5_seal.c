@@ -1,11 +1,14 @@
 /* h5_seal.c: checksums behind the HDF5 data of a file, where readers of HDF5 ignore them.
  *
- *   HDF5 data | "slipdata" size sum | "slipseal" size sum
+ *   HDF5 data | "slipdata" size hash | "slipxxh3" size sum
  *
- * The seal, the last piece, covers everything before it. A finished result also has the middle
- * piece: a checksum of its attributes and small datasets alone, which can be checked at each
- * opening however large the file is.
+ * The seal, the last piece, covers everything before it: its sum is what `head -c -24 FILE | xxhsum
+ * -H3` prints, the highest byte first. Up to version 0.6 it was a hash (hash_words), the lowest
+ * byte first, with the mark "slipseal". A finished result also has the middle piece: a hash of its
+ * attributes and small datasets alone, which can be checked at each opening however large the file
+ * is.
  */
+#include <endian.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
@@ -13,6 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/hash.h"
 #include "base/memory.h"
 #include "io/store/file.h"
 #include "io/store/h5_private.h"
@@ -24,7 +28,8 @@ typedef struct piece {
   uint64_t size; /* number of bytes before this piece */
   uint64_t sum;
 } piece;
-static const char seal_mark[8] = {'s', 'l', 'i', 'p', 's', 'e', 'a', 'l'};
+static const char seal_mark[8] = {'s', 'l', 'i', 'p', 'x', 'x', 'h', '3'};
+static const char words_mark[8] = {'s', 'l', 'i', 'p', 's', 'e', 'a', 'l'};
 static const char small_mark[8] = {'s', 'l', 'i', 'p', 'd', 'a', 't', 'a'};
 
 /* Largest size in bytes of a dataset or an attribute that counts as small */
@@ -34,6 +39,24 @@ static piece make_piece(const char mark[8], uint64_t size, uint64_t sum) {
   piece p = {.size = size, .sum = sum};
   memcpy(p.mark, mark, sizeof p.mark);
   return p;
+}
+
+static piece make_seal(uint64_t size, uint64_t sum) {
+  return make_piece(seal_mark, size, htobe64(sum));
+}
+
+/* Reads the last pieces of a file of `size` bytes. */
+static h5_mark mark_of(const piece last[2], uint64_t size) {
+  h5_mark mark = {.words = memcmp(last[1].mark, words_mark, sizeof words_mark) == 0};
+  if (!mark.words && memcmp(last[1].mark, seal_mark, sizeof seal_mark) != 0) return mark;
+  mark.size = last[1].size;
+  mark.sum = mark.words ? last[1].sum : be64toh(last[1].sum);
+  mark.sealed = mark.size == size - sizeof last[1];
+  mark.broken = !mark.sealed;
+  mark.has_small = memcmp(last[0].mark, small_mark, sizeof small_mark) == 0 &&
+                   last[0].size == size - 2 * sizeof last[0];
+  mark.small = last[0].sum;
+  return mark;
 }
 
 sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *messages) {
@@ -46,26 +69,51 @@ sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *mes
   if (size < sizeof last) return SD_OK;
   if (!file_read_at(fd, size - sizeof last, last, sizeof last, &have))
     return file_fail(messages, "read the end of", path);
-  if (have != sizeof last || memcmp(last[1].mark, seal_mark, sizeof seal_mark) != 0) return SD_OK;
-  mark->size = last[1].size;
-  mark->sum = last[1].sum;
-  mark->sealed = mark->size == size - sizeof last[1];
-  mark->broken = !mark->sealed;
-  mark->has_small = memcmp(last[0].mark, small_mark, sizeof small_mark) == 0 &&
-                    last[0].size == size - sizeof last;
-  mark->small = last[0].sum;
+  if (have == sizeof last) *mark = mark_of(last, size);
   return SD_OK;
 }
 
-sd_status h5_check_whole(int fd, const char *path, const h5_mark *mark, sd_messages *messages) {
-  uint64_t sum = 0;
+/* Checksums of the bytes of a file that have been read so far. */
+typedef struct whole_sum {
+  file_digest *digest;
+  bool words;
+  uint64_t hash; /* hash_words, if `words` */
+} whole_sum;
+
+static void add_bytes(void *with, const void *bytes, size_t n) {
+  whole_sum *s = with;
+  file_digest_add(s->digest, bytes, n);
+  if (s->words) s->hash = hash_words(s->hash, bytes, n);
+}
+
+sd_status h5_check_whole(int fd, const char *path, h5_mark *mark, sd_messages *messages) {
   sd_status status = SD_OK;
-  if (mark->sealed) status = file_sum_of(fd, path, mark->size, &sum, messages);
-  if (status == SD_OK && (!mark->sealed || sum != mark->sum))
+  bool good = mark->sealed;
+  if (mark->sealed) {
+    whole_sum s = {.digest = file_digest_new(), .words = mark->words, .hash = HASH_WORDS};
+    status = file_visit(fd, path, 0, mark->size, add_bytes, &s, messages);
+    good = (s.words ? s.hash : file_digest_sum(s.digest)) == mark->sum;
+    s.words = false;
+    if (status == SD_OK)
+      status =
+          file_visit(fd, path, mark->size, mark->size + H5_SEAL_BYTES, add_bytes, &s, messages);
+    mark->all = file_digest_sum(s.digest);
+    file_digest_free(s.digest);
+  }
+  if (status == SD_OK && !good)
     status = sd_fail(messages, SD_ERROR_IO,
                      "%s is damaged, or was changed by another program: its checksum does not fit",
                      path);
   return status;
+}
+
+bool h5_seal_fits(const void *data, size_t size) {
+  piece last[2];
+  if (size < sizeof last) return false;
+  memcpy(last, (const unsigned char *)data + size - sizeof last, sizeof last);
+  const h5_mark mark = mark_of(last, size);
+  return mark.sealed && mark.sum == (mark.words ? hash_words(HASH_WORDS, data, mark.size)
+                                                : file_sum(data, mark.size));
 }
 
 /* Writes a piece (mark, size, checksum) at the end of a file that has `size` bytes; returns false
@@ -77,31 +125,34 @@ static bool append(int fd, uint64_t size, const piece *p) {
 sd_status h5_put_seal(int fd, const char *path, uint64_t small, sd_messages *messages) {
   struct stat facts;
   bool good = fstat(fd, &facts) == 0;
-  uint64_t size = good ? (uint64_t)facts.st_size : 0, sum = 0;
+  uint64_t size = good ? (uint64_t)facts.st_size : 0;
   piece first = make_piece(small_mark, size, small);
   good = good && append(fd, size, &first);
   size += sizeof first;
-  if (good && file_sum_of(fd, path, size, &sum, messages) != SD_OK) return SD_ERROR_IO;
-  piece second = make_piece(seal_mark, size, sum);
+  whole_sum s = {.digest = file_digest_new()};
+  const sd_status status = good ? file_visit(fd, path, 0, size, add_bytes, &s, messages) : SD_OK;
+  piece second = make_seal(size, file_digest_sum(s.digest));
+  file_digest_free(s.digest);
+  if (status != SD_OK) return status;
   good = good && append(fd, size, &second);
   return good ? SD_OK
               : sd_fail(messages, SD_ERROR_IO, "cannot write %s: %s", path, strerror(errno));
 }
 
 void h5_make_seal(size_t size, uint64_t sum, unsigned char seal[H5_SEAL_BYTES]) {
-  piece p = make_piece(seal_mark, size, sum);
+  piece p = make_seal(size, sum);
   memcpy(seal, &p, sizeof p);
 }
 
 /* --- Small data ------------------------------------------------------------------------------- */
 
-/* Checksum of the attributes and small datasets read so far. */
+/* Hash of the attributes and small datasets read so far. */
 typedef struct tally {
   uint64_t sum;
   bool failed; /* true if something could not be read */
 } tally;
 
-static void add(tally *t, const void *data, size_t n) { t->sum = file_sum(t->sum, data, n); }
+static void add(tally *t, const void *data, size_t n) { t->sum = hash_words(t->sum, data, n); }
 
 /* Adds the bytes of a dataset or an attribute, as they are stored, to the checksum. Types whose
  * bytes are addresses, which no file of slipdisk has, are skipped, as are large data. */
@@ -183,7 +234,7 @@ static herr_t add_link(hid_t group, const char *name, const H5L_info_t *info, vo
 }
 
 sd_status h5_small_sum(const h5_file *file, uint64_t *sum, sd_messages *messages) {
-  tally t = {.sum = FILE_SUM};
+  tally t = {.sum = HASH_WORDS};
   hid_t root = H5Oopen(file->id, "/", H5P_DEFAULT);
   if (root >= 0) {
     add_object(&t, root);

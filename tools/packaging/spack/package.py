@@ -23,6 +23,7 @@ class Slipdisk(CMakePackage):
     depends_on("hdf5")
     depends_on("jansson")
     depends_on("libconfig")
+    depends_on("xxhash@0.8:")
     depends_on("zlib-api")
     depends_on("libmicrohttpd", when="+live")
     depends_on("mpi", when="+mpi")
