@@ -258,12 +258,79 @@ static void test_reseal(void **unused) {
   assert_true(sealed);
 }
 
+/* A file at `path` with these rows, opened; its name is free again. */
+static h5_file *part_of(const shape *s, size_t first, size_t n, const double *x) {
+  const size_t dims[3] = {n, s->dims[1], s->dims[2]}, row = elements(s) / s->dims[0];
+  h5_file *file;
+  assert_int_equal(h5_new(&file, NULL), SD_OK);
+  h5_put(file, "/x", SD_F64, s->rank, dims, x + first * row, true);
+  assert_int_equal(h5_save(file, -1, path, NULL, NULL), SD_OK);
+  assert_int_equal(h5_open_sealed(-1, path, &file, NULL, NULL), SD_OK);
+  return file;
+}
+
+/* Changes a byte of a row that was copied into a file, which is still being written. */
+static void spoil_draft(const file_draft *draft, const double *row) {
+  unsigned char *bytes;
+  size_t size;
+  assert_int_equal(file_read(draft->path, SIZE_MAX, &bytes, &size, NULL), SD_OK);
+  const unsigned char *at = memmem(bytes, size, row, 8 * sizeof *row);
+  assert_non_null(at);
+  const unsigned char other = at[5] ^ 4;
+  assert_int_equal(pwrite(draft->fd, &other, 1, at + 5 - bytes), 1);
+  free(bytes);
+}
+
+/* Rows longer than a chunk are copied as they are stored, packed or not, from several parts, beside rows that are
+ * put as values; the finished file is compared with what was copied. */
+static void test_copied_rows(void **unused) {
+  for (int k = 1; k < 4; k++)
+    for (int way = 0; way < 4; way++) { /* noise; smooth; the first row put as values; spoilt */
+      const shape *s = &shapes[k];
+      const size_t n = elements(s), row = n / s->dims[0], put = way == 2, split = 2,
+                   all = s->dims[0];
+      double *x = noise(n), *back = calloc(n, sizeof *back);
+      for (size_t i = 0; way == 1 && i < n; i++) x[i] = (double)(i / 50);
+      h5_file *one = part_of(s, put, split - put, x), *two = part_of(s, split, all - split, x),
+              *file;
+      file_draft draft;
+      assert_int_equal(file_draft_new(-1, path, &draft, NULL), SD_OK);
+      assert_int_equal(h5_create(&draft, 1 << 20, &file, NULL), SD_OK);
+      h5_make(file, "/x", SD_F64, s->rank, s->dims, true);
+      if (put) h5_put_rows(file, "/x", SD_F64, 0, 1, x);
+      const bool stored = row * sizeof *x > 256 << 10;
+      assert_int_equal(h5_copy_rows(one, file, "/x", SD_F64, put, split - put),
+                       stored ? split - put : 0);
+      if (!stored) h5_put_rows(file, "/x", SD_F64, put, split - put, x + put * row);
+      assert_int_equal(h5_copy_rows(two, file, "/x", SD_F64, split, all - split),
+                       stored ? all - split : 0);
+      if (!stored) h5_put_rows(file, "/x", SD_F64, split, all - split, x + split * row);
+      h5_close(one, NULL);
+      h5_close(two, NULL);
+      const bool spoilt = way == 3 && stored;
+      if (spoilt) spoil_draft(&draft, x + (all - 1) * row);
+      assert_int_equal(h5_finish(file, &draft, NULL), spoilt ? SD_ERROR_IO : SD_OK);
+      if (!spoilt) {
+        assert_int_equal(file_draft_publish(&draft, -1, path, FILE_REPLACE, NULL), SD_OK);
+        assert_int_equal(h5_open(path, &file, NULL), SD_OK);
+        assert_int_equal(h5_get(file, "/x", SD_F64, n, back, NULL), SD_OK);
+        assert_memory_equal(x, back, n * sizeof *x);
+        h5_close(file, NULL);
+      } else {
+        file_draft_drop(&draft);
+      }
+      free(x);
+      free(back);
+    }
+}
+
 int main(void) {
   sd_set_program(SLIPDISK_PROGRAM); /* which tries to read small data before they are read here */
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_rows),         cmocka_unit_test(test_slow_frames),
       cmocka_unit_test(test_result_seals), cmocka_unit_test(test_missing_rows),
       cmocka_unit_test(test_reseal),       cmocka_unit_test(test_memory),
+      cmocka_unit_test(test_copied_rows),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -63,18 +63,21 @@ sd_status merge_check_parts(const folder *f, const record *layout, const char *r
   return status;
 }
 
-/* Copies n rows of one column from a part file into the result, to rows first ... first + n - 1. */
+/* Copies n rows of one column from a part file into the result, to rows first ... first + n - 1: as
+ * they are stored where that is possible, else as values. */
 static sd_status copy_column(const table_column *c, const h5_file *part, h5_file *out, size_t first,
                              size_t n, sd_messages *messages) {
   size_t row = c->width * sd_type_size(c->type);
   size_t piece = row > 0 && PIECE_BYTES / row > 0 ? PIECE_BYTES / row : 1;
   if (piece > n) piece = n;
   assert(n == 0 || piece >= 1);
+  const size_t direct = h5_copy_rows(part, out, c->path, c->type, first, n);
+  if (direct == n) return SD_OK;
   void *data = NULL;
   if (!memory_resize_row(&data, piece, row))
     return sd_fail(messages, SD_ERROR_IO, "no memory to merge");
   sd_status status = SD_OK;
-  for (size_t k = 0; status == SD_OK && !h5_failed(out) && k < n; k += piece) {
+  for (size_t k = direct; status == SD_OK && !h5_failed(out) && k < n; k += piece) {
     size_t m = n - k < piece ? n - k : piece;
     status = h5_get_values(part, c->path, c->type, k, m, c->width, data, messages);
     if (status == SD_OK) h5_put_rows(out, c->path, c->type, first + k, m, data);

@@ -127,6 +127,12 @@ void h5_make(h5_file *file, const char *path, sd_type type, int rank, const size
 /* Writes rows first ... first + n - 1 of a dataset of h5_make; data: all elements of these rows. */
 void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, size_t n,
                  const void *data);
+/* Copies the n rows of a dataset to rows first ... first + n - 1 of the dataset of h5_make at the
+ * same path of another file, without unpacking them, if both have rows longer than a chunk. Returns
+ * the number of rows copied: 0 if they are stored in another way, less than n if a row cannot be
+ * read, or written (h5_failed). */
+size_t h5_copy_rows(const h5_file *from, h5_file *out, const char *path, sd_type type, size_t first,
+                    size_t n);
 /* Returns true if a write has failed. */
 bool h5_failed(const h5_file *file);
 /* Records in the file that there is no memory for the object at path; this is reported like a

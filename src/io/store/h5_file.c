@@ -78,6 +78,7 @@ static void free_journal(h5_file *file) {
   for (size_t k = 0; k < file->n_entries; k++) {
     free(file->journal[k].path);
     free(file->journal[k].attr);
+    free(file->journal[k].direct);
   }
   free(file->journal);
 }

@@ -69,6 +69,16 @@ void h5_note(h5_file *file, const char *path, const char *attr, const void *data
   e->sum += h5_sum(data, n, element, first);
 }
 
+void h5_note_chunks(h5_file *file, const char *path, size_t row, size_t n_rows, size_t elements,
+                    uint64_t sum) {
+  h5_entry *e = file->on_disk ? find(file, path, NULL) : NULL;
+  if (!e) return;
+  if (!e->direct) e->direct = memory_new(n_rows, sizeof *e->direct);
+  e->direct[row] = true;
+  e->put += elements;
+  e->sum += sum;
+}
+
 /* --- Reading back ----------------------------------------------------------------------------- */
 
 /* Returns the size in bytes of the elements over which checksums run; *each receives the number of
@@ -90,8 +100,8 @@ static bool read_rows(hid_t set, hid_t type, int rank, const hsize_t *dims, hsiz
 }
 
 /* Computes the number of elements of a dataset and their checksum; returns false if it cannot be
- * read. */
-static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
+ * read. direct: rows of which the stored chunks enter, may be NULL. */
+static bool sum_set(hid_t set, const bool *direct, uint64_t *elements, uint64_t *sum) {
   hid_t type = H5Dget_type(set), space = H5Dget_space(set);
   hsize_t dims[H5S_MAX_RANK] = {1};
   int rank = H5Sget_simple_extent_dims(space, dims, NULL);
@@ -102,10 +112,14 @@ static bool sum_set(hid_t set, uint64_t *elements, uint64_t *sum) {
   const size_t most = (size_t)(piece < rows ? piece : rows);
   bool good = rank >= 0 && element <= 8 && memory_resize_row(&data, most, row * element);
   *elements = *sum = 0;
-  for (hsize_t at = 0; good && row > 0 && at < rows; at += piece) {
-    hsize_t n = rows - at < piece ? rows - at : piece;
-    good = read_rows(set, type, rank, dims, at, n, data);
-    if (good) *sum += h5_sum(data, (size_t)n * row, element, *elements);
+  for (hsize_t at = 0, n; good && row > 0 && at < rows; at += n) {
+    for (n = 1; n < piece && at + n < rows && (!direct || direct[at + n] == direct[at]);) n++;
+    if (direct && direct[at]) {
+      good = h5_sum_chunks(set, (size_t)at, (size_t)n, sum);
+    } else {
+      good = read_rows(set, type, rank, dims, at, n, data);
+      if (good) *sum += h5_sum(data, (size_t)n * row, element, *elements);
+    }
     *elements += n * row;
   }
   free(data);
@@ -137,7 +151,8 @@ static bool is_there(const h5_file *file, const h5_entry *e) {
   hid_t id = e->attr ? H5Aopen_by_name(file->id, e->path, e->attr, H5P_DEFAULT, H5P_DEFAULT)
                      : H5Dopen2(file->id, e->path, H5P_DEFAULT);
   if (id < 0) return false;
-  bool good = e->attr ? sum_attr(id, e->expected, &elements, &sum) : sum_set(id, &elements, &sum);
+  bool good = e->attr ? sum_attr(id, e->expected, &elements, &sum)
+                      : sum_set(id, e->direct, &elements, &sum);
   if (e->attr)
     H5Aclose(id);
   else

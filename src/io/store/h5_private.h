@@ -46,7 +46,9 @@ typedef struct h5_entry {
   char *path, *attr;
   /* expected: number of elements of the object; put: number written so far */
   uint64_t expected, put;
-  uint64_t sum; /* checksum (h5_sum) of all elements written */
+  uint64_t sum; /* checksum (h5_sum) of all elements written, or of stored chunks */
+  /* [rows] true if `sum` has the stored chunks of this row (h5_copy_rows); NULL: of none */
+  bool *direct;
 } h5_entry;
 
 /* A lent dataset: its values stay in the caller's memory until the file is saved. */
@@ -122,9 +124,24 @@ void h5_expect(h5_file *file, const char *path, const char *attr, uint64_t eleme
  * nothing for files without a journal. */
 void h5_note(h5_file *file, const char *path, const char *attr, const void *data, size_t n,
              size_t element, uint64_t first);
+/* Adds the checksum (h5_copy_chunks) of a row with `elements` elements that was copied into a
+ * dataset with n_rows rows. */
+void h5_note_chunks(h5_file *file, const char *path, size_t row, size_t n_rows, size_t elements,
+                    uint64_t sum);
 /* Compares the contents of `file`, which was just opened, with the journal (checksums) of
  * `written`. Returns SD_ERROR_IO at the first difference. */
 sd_status h5_compare(const h5_file *file, const h5_file *written, sd_messages *messages);
+
+/* --- Stored chunks (h5_chunks.c) -------------------------------------------------------------- */
+/* Returns true if both datasets have rows longer than a chunk, and a stored chunk of one means the
+ * same in the other. */
+bool h5_chunks_alike(hid_t from, hid_t to);
+/* Copies the chunks of a row of such a dataset to row `to_row` of another, and adds their checksum
+ * to *sum. Returns false if they cannot be read; *written: false if they cannot be written. */
+bool h5_copy_chunks(hid_t from, size_t row, hid_t to, size_t to_row, bool *written, uint64_t *sum);
+/* Adds to *sum the checksum of the chunks of rows first ... first + n - 1 as they are stored.
+ * Returns false if they cannot be read. */
+bool h5_sum_chunks(hid_t set, size_t first, size_t n, uint64_t *sum);
 
 /* --- Seals (h5_seal.c) ------------------------------------------------------------------------ */
 /* The checksum that was found at the end of a file (seal). */

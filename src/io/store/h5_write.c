@@ -327,3 +327,25 @@ void h5_put_rows(h5_file *file, const char *path, sd_type type, size_t first, si
   size_t each = rows->row / rows->element;
   h5_note(file, path, NULL, data, n * each, rows->element, (uint64_t)first * each);
 }
+
+size_t h5_copy_rows(const h5_file *from, h5_file *out, const char *path, sd_type type, size_t first,
+                    size_t n) {
+  if (out->failed || n == 0 || h5_shared_set_of(from, path)) return 0;
+  h5_rows *rows = set_of(out, path, type);
+  hid_t set = rows && rows->chunked ? H5Dopen2(from->id, path, H5P_DEFAULT) : H5I_INVALID_HID;
+  if (set < 0) return 0;
+  size_t done = 0;
+  bool good = h5_chunks_alike(set, rows->set), written = true;
+  while (good && done < n) {
+    uint64_t sum = 0;
+    good = h5_copy_chunks(set, done, rows->set, first + done, &written, &sum);
+    h5_require(out, written, path); /* before another call clears the reason */
+    good = good && written;
+    if (!good) break;
+    h5_note_chunks(out, path, first + done, (size_t)rows->dims[0], rows->row / rows->element, sum);
+    done++;
+  }
+  rows->first += done;
+  H5Dclose(set);
+  return done;
+}
