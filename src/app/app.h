@@ -164,7 +164,7 @@ sd_status size_refuse(const sd_model *model, const result_size *size, sd_message
 /* Formats bytes as "1.2 GB" into text[size] and returns it. */
 const char *size_text(double bytes, char *text, size_t size);
 
-/* --- place.c: names, and rows of a run -------------------------------------------------------- */
+/* --- names.c: names, and rows of a run -------------------------------------------------------- */
 /* Returns the name of an output in the current folder, "NAME.ending", for a deck ".../NAME.cfg";
  * the caller frees it. */
 char *app_default_name(const char *deck, const char *ending);

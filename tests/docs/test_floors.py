@@ -7,7 +7,7 @@
 - libconfig, HDF5, MPI, Zoltan and xxHash are each seen by the files of one name only; GSL is seen by the core through base/gsl.h.
 - `work` is the engine's own: outside physics/ nothing reaches into it (physics/step/access.h is the door).
 - Nothing below app/ ends the process.
-- No source file and no test has 800 lines or more.
+- No source file and no test has 800 lines or more. Two source files have one name only if they are about one thing.
 """
 import os
 import pathlib
@@ -183,6 +183,11 @@ class Floors(unittest.TestCase):
             problems += [f"{path.relative_to(ROOT)}:{line_of(text, found.start())}: {found.group().strip()}...)"
                          for found in ENDS.finditer(text)]
         self.check(problems)
+
+    def test_names_that_occur_twice(self):
+        """Files of one name in two folders are about one thing: these are."""
+        names = [path.stem for path in self.files if path.suffix == ".c"]
+        self.assertEqual({name for name in names if names.count(name) > 1}, {"cell", "clumps", "measure", "sweep", "walls"})
 
     def test_files_are_short(self):
         tests = [p for p in (ROOT / "tests").rglob("*") if p.suffix in (".c", ".h", ".py", ".sh")]

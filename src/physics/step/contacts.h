@@ -60,7 +60,7 @@ void contacts_load(engine *e);
 /* Restore contacts that come from a file: call contacts_restore_before before contacts are
  * evaluated for step 0, contacts_restore_after after it. A contact whose force is to be taken
  * from the file (SD_FORCE_CARRIED) gets the file's record back; forces must then be summed again
- * (SWEEP_SUM). Any other contact keeps only whether it slides, which selects the static or
+ * (CHUNKS_SUM). Any other contact keeps only whether it slides, which selects the static or
  * kinetic friction limit. If the file has no rolling spring for a contact, the spring begins
  * without deformation. */
 void contacts_restore_before(engine *e);

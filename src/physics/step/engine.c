@@ -409,9 +409,9 @@ static sd_status start_part(engine *e, size_t *kept, sd_messages *messages) {
   motion_first_speeds(e);
   clumps_place_all(e);
   contacts_restore_before(e);
-  sweep_forces(e, SWEEP_EVALUATE);
+  chunks_forces(e, CHUNKS_EVALUATE);
   contacts_restore_after(e);
-  if (e->model->forces_carried) sweep_forces(e, SWEEP_SUM);
+  if (e->model->forces_carried) chunks_forces(e, CHUNKS_SUM);
   if (cell_work(e, true) != SD_OK) return SD_ERROR_IO;
   /* evaluations at step 0 must not count as energy losses */
   for (size_t k = 0; k < w->pairs.count; k++) losses_forget(&w->pairs, k);

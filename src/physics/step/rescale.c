@@ -75,7 +75,7 @@ sd_status renew_forces(engine *e, sd_messages *messages) {
     before[p->count + k] = PAIR(p, k, nonconservative_work);
   }
   renew_overlaps(e);
-  sweep_forces(e, SWEEP_EVALUATE);
+  chunks_forces(e, CHUNKS_EVALUATE);
   if (cell_work(e, true) != SD_OK) {
     free(before);
     return SD_ERROR_IO;

@@ -40,7 +40,7 @@ static bool any_stale(const work *w) {
   for (size_t k = (w)->chunks.share[share]; k < (w)->chunks.share[(share) + 1]; k++)
 
 static void predict_all(engine *e, const team *t) {
-  FOR_SHARES(t, share, &e->work) FOR_CHUNKS(k, &e->work, share) sweep_predict(e, k);
+  FOR_SHARES(t, share, &e->work) FOR_CHUNKS(k, &e->work, share) chunk_predict(e, k);
 }
 
 /* Marks every chunk (all) or no chunk as predicted for the coming step. After a rebuild of the
@@ -170,20 +170,20 @@ void step_once(engine *e, const team *t) {
 
   if (w->chunks.any_boundary_first) {
     FOR_SHARES(t, share, w)
-    FOR_CHUNKS(k, w, share) if (w->chunks.boundary_first[k]) sweep_pack(e, k);
+    FOR_CHUNKS(k, w, share) if (w->chunks.boundary_first[k]) chunk_pack(e, k);
     team_wait(t);
   }
   if (e->halo && first) halo_start(e);
-  FOR_SHARES(t, share, w) sweep_share(e, share);
+  FOR_SHARES(t, share, w) chunks_step(e, share);
   if (e->halo) {
     if (first) halo_finish(e);
     team_wait(t);
-    FOR_SHARES(t, share, w) sweep_ghosts(e, share);
+    FOR_SHARES(t, share, w) chunks_ghosts(e, share);
   }
   team_wait(t);
 
   FOR_SHARES(t, share, w)
-  FOR_CHUNKS(k, w, share) if (w->chunks.boundary_last[k]) sweep_correct(e, &w->threads[share], k);
+  FOR_CHUNKS(k, w, share) if (w->chunks.boundary_last[k]) chunk_correct(e, &w->threads[share], k);
   if (first) {
     assert(!w->chunks.count || w->chunks.predicted[0] == e->state->step + 1);
     gather_prescribed(e);

@@ -24,26 +24,26 @@ unsigned step_agree(engine *e, bool stop);
  * in the cache. Step 0 and the compression of a packing use these functions, too. */
 
 /* Predicts the free disks of chunk k at t + dt; only the first call in a step has an effect. */
-void sweep_predict(engine *e, size_t k);
+void chunk_predict(engine *e, size_t k);
 /* Predicts the disks of chunk k, unless this was done in this step already. Copies the predicted
  * coordinates to the rows of packed bodies, which pairs read, and clears the disks' force sums. */
-void sweep_pack(engine *e, size_t k);
-void sweep_correct(engine *e, thread_work *mine, size_t k);
+void chunk_pack(engine *e, size_t k);
+void chunk_correct(engine *e, thread_work *mine, size_t k);
 /* Evaluates the contacts of chunk k with round bodies, and with wall segments: forces, lambda_ref,
  * losses. The disks that the pairs read must be packed. */
-void sweep_round_pairs(engine *e, thread_work *mine, size_t k);
-void sweep_segments(engine *e, thread_work *mine, size_t k);
+void chunk_round_pairs(engine *e, thread_work *mine, size_t k);
+void chunk_segments(engine *e, thread_work *mine, size_t k);
 /* Predicts, evaluates and corrects the chunks of thread t. Chunks marked boundary_last are
  * corrected later, after the other threads. */
-void sweep_share(engine *e, int t);
+void chunks_step(engine *e, int t);
 /* Evaluates the contacts with ghosts of thread t, after halo_finish has received the poses of the
  * ghosts. The disks are corrected later. */
-void sweep_ghosts(engine *e, int t);
+void chunks_ghosts(engine *e, int t);
 /* Computes the contact forces on all bodies at the present coordinates, and stores them in the
- * state; call it on one thread, between steps. SWEEP_EVALUATE evaluates each contact and updates
- * its record; SWEEP_SUM only adds up the forces that follow from the records. */
-typedef enum sweep_kind { SWEEP_EVALUATE, SWEEP_SUM } sweep_kind;
-void sweep_forces(engine *e, sweep_kind kind);
+ * state; call it on one thread, between steps. CHUNKS_EVALUATE evaluates each contact and updates
+ * its record; CHUNKS_SUM only adds up the forces that follow from the records. */
+typedef enum chunks_kind { CHUNKS_EVALUATE, CHUNKS_SUM } chunks_kind;
+void chunks_forces(engine *e, chunks_kind kind);
 
 /* Predictor and corrector of clumps (physics/system/clumps.h), called after those of the disks. */
 

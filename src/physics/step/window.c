@@ -344,7 +344,7 @@ static void take_segments(window_wave *wave, engine *own, thread_work *mine, siz
   if (c->segment[k] == c->segment[k + 1]) return;
   const bool moved = motion_moves(own) & (MOVES_WALLS | MOVES_SURFACES);
   if (moved) lock_prescribed(wave, own);
-  sweep_segments(own, mine, k);
+  chunk_segments(own, mine, k);
   if (moved) unlock_prescribed(wave);
 }
 
@@ -356,10 +356,10 @@ static bool take_chunk(engine *e, thread_work *mine, size_t k, int64_t s, bool l
   engine *own = &at->e;
   const chunks *c = &own->work.chunks;
   if (s == 0) keep_chunk(e, k);
-  for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) sweep_pack(own, c->need[n]);
-  sweep_round_pairs(own, mine, k);
+  for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++) chunk_pack(own, c->need[n]);
+  chunk_round_pairs(own, mine, k);
   take_segments(v->wave, own, mine, k);
-  sweep_correct(own, mine, k);
+  chunk_correct(own, mine, k);
   sums_clear_listed(own, c->begin[k], c->begin[k + 1]);
   if (!last && v->n_fixed) add_prescribed(e, k, s);
   if (!take_notes(at, mine, k) || (at->stale && !last)) return false;

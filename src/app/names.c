@@ -1,4 +1,4 @@
-/* place.c: names of outputs, and of the bodies of a time series; see app.h. */
+/* names.c: names of outputs, and of the bodies of a time series; see app.h. */
 #include <string.h>
 
 #include "app/app.h"

@@ -1,4 +1,4 @@
-/* rows.c: builds the tables that follow from a list of pairs; implements pairs_list,
+/* incidence.c: builds the tables that follow from a list of pairs; implements pairs_list,
  * pairs_clear_... and sums_add_listed of neighbours.h. */
 #include "physics/neighbours/neighbours.h"
 

@@ -1,4 +1,5 @@
-/* sweep.c: prediction, contacts and correction chunk by chunk; implements sweep_... of step.h. */
+/* chunk_pass.c: prediction, contacts and correction chunk by chunk; implements chunk_... and
+ * chunks_... of step.h. */
 #include "physics/step/step.h"
 
 #include <assert.h>
@@ -12,7 +13,7 @@
 #include "physics/system/halo.h"
 #include "physics/system/kernels.h"
 
-void sweep_predict(engine *e, size_t k) {
+void chunk_predict(engine *e, size_t k) {
   chunks *c = &e->work.chunks;
   if (c->predicted[k] == e->state->step + 1) return;
   /* a chunk is predicted at most once per step */
@@ -30,20 +31,20 @@ static void pack(engine *e, size_t k, int64_t mark) {
   e->work.kernels->pack(e, c->begin[k], c->begin[k + 1]);
 }
 
-/* sweep_predict writes the rows of packed bodies, too. So pack() is called only for a chunk that
+/* chunk_predict writes the rows of packed bodies, too. So pack() is called only for a chunk that
  * was predicted earlier. */
-void sweep_pack(engine *e, size_t k) {
+void chunk_pack(engine *e, size_t k) {
   chunks *c = &e->work.chunks;
   const int64_t next = e->state->step + 1;
   if (c->predicted[k] == next) {
     pack(e, k, next);
   } else {
-    sweep_predict(e, k);
+    chunk_predict(e, k);
     c->packed[k] = next;
   }
 }
 
-void sweep_correct(engine *e, thread_work *mine, size_t k) {
+void chunk_correct(engine *e, thread_work *mine, size_t k) {
   const chunks *c = &e->work.chunks;
   assert(k < c->count && c->predicted[k] == e->state->step + 1);
   e->work.kernels->correct[e->model->integrator](e, mine, c->begin[k], c->begin[k + 1]);
@@ -60,12 +61,12 @@ static void sum_chunk(engine *e, size_t k) {
   sum_pairs(e, c->segment[k], c->segment[k + 1]);
 }
 
-void sweep_round_pairs(engine *e, thread_work *mine, size_t k) {
+void chunk_round_pairs(engine *e, thread_work *mine, size_t k) {
   const chunks *c = &e->work.chunks;
   e->work.kernels->pairs(e, mine, c->pair[k], c->pair[k + 1]);
 }
 
-void sweep_segments(engine *e, thread_work *mine, size_t k) {
+void chunk_segments(engine *e, thread_work *mine, size_t k) {
   const chunks *c = &e->work.chunks;
   if (c->segment[k] < c->segment[k + 1])
     e->work.kernels->pairs(e, mine, c->segment[k], c->segment[k + 1]);
@@ -73,11 +74,11 @@ void sweep_segments(engine *e, thread_work *mine, size_t k) {
 
 /* Evaluates the contacts of chunk k, once per step: forces, lambda_ref, losses. */
 static void evaluate(engine *e, thread_work *mine, size_t k) {
-  sweep_round_pairs(e, mine, k);
-  sweep_segments(e, mine, k);
+  chunk_round_pairs(e, mine, k);
+  chunk_segments(e, mine, k);
 }
 
-void sweep_share(engine *e, int t) {
+void chunks_step(engine *e, int t) {
   work *w = &e->work;
   const chunks *c = &w->chunks;
   assert(t < c->n_threads && c->share[t] <= c->share[t + 1] && c->share[t + 1] <= c->count);
@@ -85,18 +86,18 @@ void sweep_share(engine *e, int t) {
   for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
     for (size_t at = c->need_start[k]; at < c->need_start[k + 1]; at++) {
       const size_t n = c->need[at];
-      if (n >= c->share[t] && n < c->share[t + 1]) sweep_pack(e, n);
+      if (n >= c->share[t] && n < c->share[t + 1]) chunk_pack(e, n);
       /* the rows of chunk n were written just now or, if it is marked boundary_first, before by
        * another thread */
       assert(c->packed[n] == e->state->step + 1);
     }
     evaluate(e, mine, k);
-    if (!c->boundary_last[k]) sweep_correct(e, mine, k);
+    if (!c->boundary_last[k]) chunk_correct(e, mine, k);
     if (e->halo && t == 0) halo_progress(e->halo);
   }
 }
 
-void sweep_ghosts(engine *e, int t) {
+void chunks_ghosts(engine *e, int t) {
   const work *w = &e->work;
   const pairs *p = &w->pairs;
   const size_t blocks = (p->first_segment - p->first_ghost) / PAIR_BLOCK, n = (size_t)w->n_threads;
@@ -113,7 +114,7 @@ static void pack_spins(engine *e) {
     e->work.packed[PACKED_ROW * e->work.row[i] + PACKED_SPIN] = body_spin(s, i);
 }
 
-void sweep_forces(engine *e, sweep_kind kind) {
+void chunks_forces(engine *e, chunks_kind kind) {
   work *w = &e->work;
   const chunks *c = &w->chunks;
   const size_t n_free = e->state->n_free, n_bodies = e->state->n_bodies;
@@ -125,14 +126,14 @@ void sweep_forces(engine *e, sweep_kind kind) {
     for (size_t k = c->share[t]; k < c->share[t + 1]; k++) {
       for (size_t n = c->need_start[k]; n < c->need_start[k + 1]; n++)
         pack(e, c->need[n], INT64_MAX);
-      if (kind == SWEEP_SUM)
+      if (kind == CHUNKS_SUM)
         sum_chunk(e, k);
       else
         evaluate(e, &w->threads[0], k);
       if (!c->boundary_last[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
     }
-  for (int t = 0; e->halo && kind == SWEEP_EVALUATE && t < w->n_threads; t++) sweep_ghosts(e, t);
-  if (kind == SWEEP_SUM) sum_pairs(e, w->pairs.first_ghost, w->pairs.first_segment);
+  for (int t = 0; e->halo && kind == CHUNKS_EVALUATE && t < w->n_threads; t++) chunks_ghosts(e, t);
+  if (kind == CHUNKS_SUM) sum_pairs(e, w->pairs.first_ghost, w->pairs.first_segment);
   for (size_t k = 0; k < c->count; k++)
     if (c->boundary_last[k]) w->kernels->gather(e, c->begin[k], c->begin[k + 1]);
   if (e->halo) halo_gather_prescribed(e);
