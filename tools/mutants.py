@@ -1,29 +1,36 @@
 #!/usr/bin/env python3
-"""Are the tests sharp? Changes one thing in a file of physics, measure, model or pack, builds, and runs the tests of tools/test.sh until
-one fails:
+"""Are the tests sharp? Changes one thing in a file of physics, measure, model or pack, builds, and runs tests until one fails:
 
-    tools/mutants.py --first 0 --count 300 -o build/mutants.csv
+    tools/mutants.py --first 0 --count 300 --jobs 2
 
-A mutant is an operator, a sign, a constant, a comparison, a branch or a statement, drawn by its number. Works in a clone of HEAD
-(build/mutants), so the tree can be edited meanwhile. Goes on where the table ends. Columns: number, file, line, what, before, after,
-outcome (found, survived, does not compile), test, seconds."""
+A mutant is an operator, a sign, a constant, a comparison, a branch or a statement, drawn by its number. It runs only tests that come to
+its line, those first that find most in a second: once, each test of the preset quick runs in a build that counts lines, for
+build/mutants/coverage.json. Builds have one kernel and little optimisation, which compiles fast and gives the same bits. They lie in clones
+of HEAD (tree-0, ...), so the tree can be edited meanwhile: remove build/mutants to try another HEAD.
+
+Goes on where the table ends. Columns: number, file, line, what, before, after, outcome, test that failed, tests that ran, tests that come
+to the line, seconds. Outcomes: found; survived; not all (--most left tests out); no test comes here; same code (the compiler writes the
+same library); does not compile."""
 import argparse
+import collections
+import concurrent.futures
 import csv
+import json
 import os
 import pathlib
 import random
 import re
+import shutil
+import signal
 import subprocess
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+WORK = ROOT / "build" / "mutants"
 ROOMS = ("physics", "measure", "model", "pack")
-# (what is built, tests to run): those that find most in the shortest time come first, then all others of the preset quick.
-STAGES = (
-    ("slipdisk_program", ["-R", "^test_(golden|validation|conservation)$"]),
-    ("all", ["-R", "^test_(crossing|laws_mixed|mean|disk_means|motion|advice|configuration|cell|clumps|windows|lanes|bounds|waves)$"]),
-    ("all", ["-LE", "^(slow|long|install)$"]),
-)
+FLAGS = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Mutant", "-DSLIPDISK_HAS_AVX2=OFF", "-DSLIPDISK_HAS_AVX512=OFF", "-DSLIPDISK_CCACHE=ON"]
+SCRIPTS = ("slipdisk_program", "slipdisk_shared", "calls", "inject_memory", "ways")  # what tests that are no programs need
+BUILDS = {"plain": "-O1 -mavx2", "counting": "-O1 -mavx2 --coverage -fprofile-update=prefer-atomic -fprofile-filter-files=/src/[mp][a-z]*/"}
 RULES = [
     ("operator", r"(?<=[\w)\]] )(\+|-|\*|/)(?= [\w(&-])", lambda r, s: r.choice([o for o in "+-*/" if o != s])),
     ("comparison", r"(?<= )(<=|>=|==|!=|<|>)(?= )", lambda r, s: r.choice([o for o in ("<=", ">=", "==", "!=", "<", ">") if o != s])),
@@ -33,12 +40,7 @@ RULES = [
     ("branch", r"(?<=\bif \()([^()]+|[^()]*\([^()]*\)[^()]*)(?=\) )", lambda r, s: r.choice(("true || ", "false && ")) + f"({s})"),
     ("statement", r"(?m)^ +[\w>.\[\]-]+ [-+*|]?= [^;{}]+;$", lambda r, s: ";"),
 ]
-CODE = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\])*"|^\s*#(?:\\\n|[^\n])*|_Static_assert[^;]*;|\bassert\([^;]*;', re.S | re.M)
-
-
-def code_only(text):
-    """The text with comments, strings, directives and assertions blanked."""
-    return CODE.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), text)
+NO_CODE = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\])*"|^\s*#(?:\\\n|[^\n])*|_Static_assert[^;]*;|\bassert\([^;]*;', re.S | re.M)
 
 
 def mutant(tree, number):
@@ -49,92 +51,149 @@ def mutant(tree, number):
     while True:
         path = r.choices(files, sizes)[0]
         name, pattern, change = r.choice(RULES)
-        found = list(re.finditer(pattern, code_only(path.read_text())))
-        if found:
+        text = path.read_text()
+        if found := list(re.finditer(pattern, NO_CODE.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), text))):
             m = r.choice(found)
-            before = path.read_text()[m.start():m.end()]
+            before = text[m.start():m.end()]
             return path, m.start(), name, before, change(r, before)
 
 
-def run(words, tree, seconds=3600):
+def run(words, tree, seconds=3600, **more):
+    """(exit status, output); status None after that many seconds: then all its processes end."""
+    more = os.environ | {"CCACHE_BASEDIR": str(tree), "CCACHE_NOHASHDIR": "1"} | more
+    process = subprocess.Popen(list(map(str, words)), cwd=tree, env=more, start_new_session=True, text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     try:
-        return subprocess.run(words, cwd=tree, capture_output=True, text=True, timeout=seconds)
+        said = process.communicate(timeout=seconds)[0]
+        return process.returncode, said
     except subprocess.TimeoutExpired:
-        return None
+        os.killpg(process.pid, signal.SIGKILL)
+        return None, process.communicate()[0]
 
 
-def ctest(tree, *words):
-    """The name of the first test that fails, or None."""
-    done = run(["ctest", "--test-dir", "build/release", "--stop-on-failure", "-j", str(os.cpu_count()), "--timeout", "300", *words], tree)
-    if done is not None and done.returncode == 0:
-        return None
-    names = re.findall(r"\d+ - (\S+) \((?!Skipped|Disabled)", done.stdout) if done else []
-    return names[0] if names else "it hangs"
+def build(tree, kind, *targets):
+    """Exit status"""
+    if not (tree / ".git").exists():
+        subprocess.run(["git", "clone", "-q", ROOT, tree], check=True)
+        # mutants do not change the revision in the program
+        run(["sh", "-c", "git ls-files src | xargs git update-index --assume-unchanged"], tree)
+    if not (tree / "build" / kind).exists():
+        run(["cmake", "-S", ".", "-B", f"build/{kind}", *FLAGS, f"-DCMAKE_C_FLAGS_MUTANT={BUILDS[kind]}"], tree)
+    return run(["ninja", "-C", f"build/{kind}", "-j", os.cpu_count(), *targets], tree)[0]
 
 
-def first_failure(tree):
-    """The name of the first test that fails, twice; "": it does not compile; None: all pass."""
-    for target, tests in STAGES:
-        done = run(["cmake", "--build", "build/release", "--target", target], tree)
-        if done is None or done.returncode:
-            return ""
-        while (name := ctest(tree, *tests)) is not None:
-            if name == "it hangs" or ctest(tree, "-R", f"^{name}$"):
-                return name
-            print("once only:", name, flush=True)
-    return None
+def ctest(tree, kind, name, seconds=3600, **more):
+    """Exit status of a test; None: it hangs. No process takes more than 8 GB of memory or writes a larger file."""
+    limits = ["prlimit", "--data=8000000000", "--fsize=8000000000"]
+    return run([*limits, "ctest", "--test-dir", f"build/{kind}", "-R", f"^{name}$"], tree, seconds, **more)[0]
 
 
-def clone(folder):
-    if not folder.exists():
-        subprocess.run(["git", "clone", "-q", ROOT, folder], check=True)
-        subprocess.run(["cmake", "--preset", "release", "--log-level=WARNING"], cwd=folder, check=True, stdout=subprocess.DEVNULL)
-    head = subprocess.run(["git", "rev-parse", "HEAD"], cwd=folder, check=True, capture_output=True, text=True).stdout
-    passed = folder / "build" / "passed"
-    if passed.exists() and passed.read_text() == head:
-        return
-    failure = first_failure(folder)
-    if failure is not None:
-        raise SystemExit(f"{folder}: {failure or 'the build'} fails without a mutant")
-    passed.write_text(head)
+def count_lines(tree):
+    """coverage.json: {test: seconds} and {file: {line with code: tests that come there}}"""
+    build(tree, "counting", "-k", "0")  # the examples do not link with counters
+    names = re.findall(r"Test +#\d+: (\S+)", run(["ctest", "--test-dir", "build/counting", "-N", "-LE", "^(slow|long|install)$"], tree)[1])
+    built, seconds, table = tree / "build" / "counting", {}, collections.defaultdict(dict)
+
+    def one(name):
+        folder, began = WORK / "counters" / name, time.monotonic()
+        (folder / "CMakeFiles").mkdir(parents=True)
+        subprocess.run(["cp", "-rs", *built.glob("CMakeFiles/slipdisk_*.dir"), folder / "CMakeFiles"], check=True)
+        if ctest(tree, "counting", name, GCOV_PREFIX=str(folder), GCOV_PREFIX_STRIP=str(len(built.parts) - 1)) == 0:
+            seconds[name] = time.monotonic() - began
+        for counters in folder.rglob("*.gcda"):
+            said = subprocess.run(["gcov", "--json-format", "--stdout", counters], cwd=folder, capture_output=True).stdout
+            for entry in json.loads(said)["files"] if said else []:
+                lines = table[entry["file"].rpartition("/src/")[2]]
+                for line in entry["lines"]:
+                    lines.setdefault(line["line_number"], set()).update([name] if line["count"] and name in seconds else [])
+        shutil.rmtree(folder)
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        list(pool.map(one, names))
+    (WORK / "coverage.json").write_text(json.dumps([seconds, table], default=sorted))
 
 
-def trial(tree, number):
+class Chooser:
+    """Tests that come to a line; first those that are likely to find most in a second, as learned on the way"""
+    def __init__(self):
+        self.seconds, self.lines = json.loads((WORK / "coverage.json").read_text())
+        self.found, self.tried = collections.Counter(), collections.Counter()
+
+    def come_to(self, file, text, line):
+        lines, first, rows = self.lines.get(file, {}), line, text.split("\n")
+        while str(first) not in lines and first > 1 and not re.search(r"[;{}]\s*(//.*|/\*.*)?$", rows[first - 2]):
+            first -= 1  # a statement counts at one of its lines
+        # a row of a table has no code: all tests that use the file, or all there are
+        hits = [lines[str(at)] for at in range(first, line + 1) if str(at) in lines] or lines.values() or [self.seconds]
+        share = collections.Counter(test for hit in lines.values() for test in hit)
+
+        def rate(test):
+            return (self.found[test] + share[test] / max(len(lines), 1)) / (self.tried[test] + 1) / (1 + self.seconds[test])
+        return sorted({test for hit in hits for test in hit}, key=rate, reverse=True)
+
+
+def library(tree):
+    """What the compiler makes; None: an error"""
+    failed = build(tree, "plain", "slipdisk_inside")
+    return None if failed else (tree / "build" / "plain" / "libslipdisk_inside.a").read_bytes()
+
+
+def examine(tree, unchanged, chooser, tests, most):
+    """(outcome, test that failed, tests that ran)"""
+    compiled = library(tree)
+    if compiled in (None, unchanged) or not tests:
+        return "does not compile" if compiled is None else "same code" if compiled == unchanged else "no test comes here", "", 0
+    ran = 0
+    for test in tests:
+        seconds = chooser.seconds[test]
+        if seconds > most:
+            continue
+        most, ran = most - seconds, ran + 1
+        build(tree, "plain", *([test] if list((tree / "tests").rglob(f"{test}.c")) else SCRIPTS))
+        chooser.tried[test] += 1
+        status = ctest(tree, "plain", test, max(60, 10 * seconds))
+        if status is None or status and ctest(tree, "plain", test, max(60, 10 * seconds)) != 0:  # not if it fails only once
+            chooser.found[test] += 1
+            return "found", test + (" hangs" if status is None else ""), ran
+    return ("survived" if ran == len(tests) else "not all"), "", ran
+
+
+def trial(tree, unchanged, number, chooser, most):
     path, at, rule, before, after = mutant(tree, number)
     text, began = path.read_text(), time.monotonic()
-    path.write_text(text[:at] + after + text[at + len(before):])
+    line = text[:at].count("\n") + 1
+    tests = chooser.come_to(str(path.relative_to(tree / "src")), text, line)
+    path.write_text(text[:at] + after + "\n" * before.count("\n") + text[at + len(before):])
     try:
-        test = first_failure(tree)
+        outcome = examine(tree, unchanged, chooser, tests, most)
     finally:
         path.write_text(text)
-    outcome = "does not compile" if test == "" else "found" if test else "survived"
-    line = text[:at].count("\n") + 1
-    return [number, path.relative_to(tree), line, rule, before.strip(), after, outcome, test or "", f"{time.monotonic() - began:.0f}"]
+    return [number, path.relative_to(tree), line, rule, " ".join(before.split()), after, *outcome, len(tests),
+            f"{time.monotonic() - began:.0f}"]
 
 
 def main():
     parser = argparse.ArgumentParser(prog="tools/mutants.py", description=__doc__.split("\n")[0])
     parser.add_argument("--first", type=int, default=0, metavar="N")
     parser.add_argument("--count", type=int, default=10, metavar="N")
-    parser.add_argument("-o", dest="table", type=pathlib.Path, default=ROOT / "build" / "mutants.csv", metavar="FILE")
-    parser.add_argument("--list", action="store_true", help="say which they are, and stop")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="mutants at a time, each in a clone of its own")
+    parser.add_argument("--most", type=float, default=1e9, metavar="SECONDS", help="of tests per mutant, by their usual time")
+    parser.add_argument("-o", dest="table", type=pathlib.Path, default=WORK / "mutants.csv", metavar="FILE")
     args = parser.parse_args()
-    numbers = range(args.first, args.first + args.count)
-    if args.list:
-        for number in numbers:
-            path, at, rule, before, after = mutant(ROOT, number)
-            print(number, f"{path.relative_to(ROOT)}:{path.read_text()[:at].count(chr(10)) + 1}", rule, repr(before), "->", repr(after))
-        return
+    trees = [WORK / f"tree-{job}" for job in range(args.jobs)]
+    if not (WORK / "coverage.json").exists():
+        count_lines(trees[0])
+    free, chooser = [(tree, library(tree)) for tree in trees], Chooser()
     done = {int(row[0]) for row in csv.reader(args.table.open())} if args.table.exists() else set()
-    tree = ROOT / "build" / "mutants"
-    clone(tree)
-    for number in numbers:
-        if number in done:
-            continue
-        row = trial(tree, number)
+
+    def one(number):
+        place = free.pop()
+        row = trial(*place, number, chooser, args.most)
+        free.append(place)
         with args.table.open("a", newline="") as file:
             csv.writer(file).writerow(row)
-        print(*row, flush=True)
+            print(*row, flush=True)
+    with concurrent.futures.ThreadPoolExecutor(args.jobs) as pool:
+        list(pool.map(one, sorted(set(range(args.first, args.first + args.count)) - done)))
 
 
 if __name__ == "__main__":
