@@ -30,7 +30,7 @@ WORK = ROOT / "build" / "mutants"
 ROOMS = ("physics", "measure", "model", "pack")
 FLAGS = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Mutant", "-DSLIPDISK_HAS_AVX2=OFF", "-DSLIPDISK_HAS_AVX512=OFF", "-DSLIPDISK_CCACHE=ON"]
 SCRIPTS = ("slipdisk_program", "slipdisk_shared", "calls", "inject_memory", "ways")  # what tests that are no programs need
-BUILDS = {"plain": "-O1 -mavx2", "counting": "-O1 -mavx2 --coverage -fprofile-update=prefer-atomic -fprofile-filter-files=/src/[mp][a-z]*/"}
+BUILDS = {"plain": "-O1 -mavx2", "counting": "-O1 -mavx2 --coverage -fprofile-filter-files=/src/[mp][a-z]*/"}
 RULES = [
     ("operator", r"(?<=[\w)\]] )(\+|-|\*|/)(?= [\w(&-])", lambda r, s: r.choice([o for o in "+-*/" if o != s])),
     ("comparison", r"(?<= )(<=|>=|==|!=|<|>)(?= )", lambda r, s: r.choice([o for o in ("<=", ">=", "==", "!=", "<", ">") if o != s])),
@@ -71,12 +71,15 @@ def run(words, tree, seconds=3600, **more):
         return None, process.communicate()[0]
 
 
+# mutants do not change the revision that the program tells; one that was left by a run that was ended goes
+RESTORE = """git ls-files src | xargs git update-index --no-assume-unchanged; git checkout -qf
+             git ls-files src | xargs git update-index --assume-unchanged"""
+
+
 def build(tree, kind, *targets):
     """Exit status"""
     if not (tree / ".git").exists():
         subprocess.run(["git", "clone", "-q", ROOT, tree], check=True)
-        # mutants do not change the revision in the program
-        run(["sh", "-c", "git ls-files src | xargs git update-index --assume-unchanged"], tree)
     if not (tree / "build" / kind).exists():
         run(["cmake", "-S", ".", "-B", f"build/{kind}", *FLAGS, f"-DCMAKE_C_FLAGS_MUTANT={BUILDS[kind]}"], tree)
     return run(["ninja", "-C", f"build/{kind}", "-j", os.cpu_count(), *targets], tree)[0]
@@ -96,16 +99,16 @@ def count_lines(tree):
 
     def one(name):
         folder, began = WORK / "counters" / name, time.monotonic()
-        (folder / "CMakeFiles").mkdir(parents=True)
-        subprocess.run(["cp", "-rs", *built.glob("CMakeFiles/slipdisk_*.dir"), folder / "CMakeFiles"], check=True)
+        for notes in built.rglob("*.gcno"):  # gcov looks for them beside the counters
+            (folder / notes.relative_to(built)).parent.mkdir(parents=True, exist_ok=True)
+            (folder / notes.relative_to(built)).symlink_to(notes)
         if ctest(tree, "counting", name, GCOV_PREFIX=str(folder), GCOV_PREFIX_STRIP=str(len(built.parts) - 1)) == 0:
             seconds[name] = time.monotonic() - began
-        for counters in folder.rglob("*.gcda"):
-            said = subprocess.run(["gcov", "--json-format", "--stdout", counters], cwd=folder, capture_output=True).stdout
-            for entry in json.loads(said)["files"] if said else []:
-                lines = table[entry["file"].rpartition("/src/")[2]]
-                for line in entry["lines"]:
-                    lines.setdefault(line["line_number"], set()).update([name] if line["count"] and name in seconds else [])
+        said = run(["gcov", "--json-format", "--stdout", *folder.rglob("*.gcda")], folder)[1]
+        for entry in [entry for row in said.splitlines() if row.startswith("{") for entry in json.loads(row)["files"]]:
+            lines = table[entry["file"].rpartition("/src/")[2]]
+            for line in entry["lines"]:
+                lines.setdefault(line["line_number"], set()).update([name] if line["count"] and name in seconds else [])
         shutil.rmtree(folder)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(one, names))
@@ -182,6 +185,9 @@ def main():
     trees = [WORK / f"tree-{job}" for job in range(args.jobs)]
     if not (WORK / "coverage.json").exists():
         count_lines(trees[0])
+    for tree in trees:
+        build(tree, "plain", "slipdisk_version")
+        run(["sh", "-c", RESTORE], tree)
     free, chooser = [(tree, library(tree)) for tree in trees], Chooser()
     done = {int(row[0]) for row in csv.reader(args.table.open())} if args.table.exists() else set()
 

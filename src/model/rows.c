@@ -18,8 +18,7 @@ bool rows_any(const sd_model *m, bool here) { return comm_or(m->comm, here) != 0
 
 double rows_extreme(const sd_model *m, double value, uint32_t *disk) {
   const double most = comm_largest(m->comm, value);
-  const double first = rows_least(m, value == most ? (double)*disk : HUGE_VAL);
-  if (isfinite(first)) *disk = (uint32_t)first;
+  *disk = (uint32_t)rows_least(m, value == most ? (double)*disk : HUGE_VAL);
   return most;
 }
 
