@@ -20,7 +20,6 @@ import os
 import pathlib
 import random
 import re
-import shutil
 import signal
 import subprocess
 import time
@@ -28,7 +27,8 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORK = ROOT / "build" / "mutants"
 ROOMS = ("physics", "measure", "model", "pack")
-FLAGS = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Mutant", "-DSLIPDISK_HAS_AVX2=OFF", "-DSLIPDISK_HAS_AVX512=OFF", "-DSLIPDISK_CCACHE=ON"]
+FLAGS = ("-G", "Ninja", "-DCMAKE_BUILD_TYPE=Mutant", *(f"-DSLIPDISK_{name}" for name in (
+    "HAS_AVX2=OFF", "HAS_AVX512=OFF", "CCACHE=ON", "WERROR=OFF")))
 SCRIPTS = ("slipdisk_program", "slipdisk_shared", "calls", "inject_memory", "ways")  # what tests that are no programs need
 BUILDS = {"plain": "-O1 -mavx2", "counting": "-O1 -mavx2 --coverage -fprofile-filter-files=/src/[mp][a-z]*/"}
 RULES = [
@@ -71,15 +71,8 @@ def run(words, tree, seconds=3600, **more):
         return None, process.communicate()[0]
 
 
-# mutants do not change the revision that the program tells; one that was left by a run that was ended goes
-RESTORE = """git ls-files src | xargs git update-index --no-assume-unchanged; git checkout -qf
-             git ls-files src | xargs git update-index --assume-unchanged"""
-
-
 def build(tree, kind, *targets):
     """Exit status"""
-    if not (tree / ".git").exists():
-        subprocess.run(["git", "clone", "-q", ROOT, tree], check=True)
     if not (tree / "build" / kind).exists():
         run(["cmake", "-S", ".", "-B", f"build/{kind}", *FLAGS, f"-DCMAKE_C_FLAGS_MUTANT={BUILDS[kind]}"], tree)
     return run(["ninja", "-C", f"build/{kind}", "-j", os.cpu_count(), *targets], tree)[0]
@@ -87,8 +80,8 @@ def build(tree, kind, *targets):
 
 def ctest(tree, kind, name, seconds=3600, **more):
     """Exit status of a test; None: it hangs. No process takes more than 8 GB of memory or writes a larger file."""
-    limits = ["prlimit", "--data=8000000000", "--fsize=8000000000"]
-    return run([*limits, "ctest", "--test-dir", f"build/{kind}", "-R", f"^{name}$"], tree, seconds, **more)[0]
+    words = f"prlimit --data=8000000000 --fsize=8000000000 ctest --test-dir build/{kind} -R ^{name}$"
+    return run(words.split(), tree, seconds, **more)[0]
 
 
 def count_lines(tree):
@@ -109,7 +102,7 @@ def count_lines(tree):
             lines = table[entry["file"].rpartition("/src/")[2]]
             for line in entry["lines"]:
                 lines.setdefault(line["line_number"], set()).update([name] if line["count"] and name in seconds else [])
-        shutil.rmtree(folder)
+        run(["rm", "-r", folder], WORK)
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         list(pool.map(one, names))
     (WORK / "coverage.json").write_text(json.dumps([seconds, table], default=sorted))
@@ -136,8 +129,7 @@ class Chooser:
 
 def library(tree):
     """What the compiler makes; None: an error"""
-    failed = build(tree, "plain", "slipdisk_inside")
-    return None if failed else (tree / "build" / "plain" / "libslipdisk_inside.a").read_bytes()
+    return None if build(tree, "plain", "slipdisk_inside") else (tree / "build" / "plain" / "libslipdisk_inside.a").read_bytes()
 
 
 def examine(tree, unchanged, chooser, tests, most):
@@ -183,11 +175,13 @@ def main():
     parser.add_argument("-o", dest="table", type=pathlib.Path, default=WORK / "mutants.csv", metavar="FILE")
     args = parser.parse_args()
     trees = [WORK / f"tree-{job}" for job in range(args.jobs)]
+    for tree in trees:
+        if not tree.exists():
+            subprocess.run(["git", "clone", "-q", ROOT, tree], check=True)
+            (tree / "CITATION.cff").open("a").write("\n")  # so that no mutant changes the revision in the program
+        run(["git", "checkout", "src"], tree)
     if not (WORK / "coverage.json").exists():
         count_lines(trees[0])
-    for tree in trees:
-        build(tree, "plain", "slipdisk_version")
-        run(["sh", "-c", RESTORE], tree)
     free, chooser = [(tree, library(tree)) for tree in trees], Chooser()
     done = {int(row[0]) for row in csv.reader(args.table.open())} if args.table.exists() else set()
 
