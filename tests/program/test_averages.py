@@ -93,6 +93,7 @@ class Averages(results_common.Folder):
                 self.assertEqual(alone.discarded, cut, name)
                 self.assertAlmostEqual(a.error, alone.error, delta=1e-6 * alone.error + 1e-12, msg=name)
                 self.assertEqual(a.converged, alone.converged, name)
+                self.assertAlmostEqual(a.correlation, alone.correlation * each * every * 2e-3, delta=1e-6 * a.correlation, msg=name)
             self.assertLess(result.averages.mu.error, 0.1)
             self.assertGreater(result.averages.mu.error, 0.001)
 

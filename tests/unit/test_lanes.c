@@ -2,8 +2,9 @@
  *
  * One run takes the step that suits it, the other the general one; both cross the ends of motion batches, phases, openings, new reference directions and angles that return into range.
  */
-#include "unit.h"
+#include "deck_runs.h"
 #include "model/model.h"
+#include "physics/small/lanes.h"
 #include "run/simulation_private.h"
 #include "model/state.h"
 #include "slipdisk/deck.h"
@@ -127,4 +128,26 @@ static void not_finite(void **state) {
   }
 }
 
-RUN_TESTS(TEST(three_disks), TEST(rough), TEST(an_overlap_ends_both_alike), TEST(not_finite))
+/* Walls that meet, by either of their ends, are left to the general step. */
+static void walls_that_meet_do_not_suit(void **unused) {
+  const char *const ends[][2] = {{"(0, 0), (1, 0)", "(0, 0), (0, 1)"},
+                                 {"(0, 0), (1, 0)", "(0, 1), (0, 0)"},
+                                 {"(1, 0), (0, 0)", "(0, 0), (0, 1)"},
+                                 {"(1, 0), (0, 0)", "(0, 1), (0, 0)"},
+                                 {"(1, 0), (2, 0)", "(0, 1), (0, 2)"}};
+  for (size_t k = 0; k < 5; k++) {
+    text deck = {0};
+    text_add(&deck,
+             "dt = 1e-3; steps = 1; materials = ({ name = \"m\"; k_n = 1e3; k_t = 1e3; });\n"
+             "disks = ({ x = 3; y = 3; radius = 1; mass = 1; });\n"
+             "walls = ({ type = \"segment\"; points = (%s); },\n"
+             "         { type = \"segment\"; points = (%s); });",
+             ends[k][0], ends[k][1]);
+    sd_model *m = model_of_text(&deck);
+    assert_int_equal(lanes_suit(m), k == 4);
+    sd_model_free(m);
+  }
+}
+
+RUN_TESTS(TEST(walls_that_meet_do_not_suit), TEST(three_disks), TEST(rough),
+          TEST(an_overlap_ends_both_alike), TEST(not_finite))

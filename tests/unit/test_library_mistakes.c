@@ -75,8 +75,8 @@ static void endless_wave(sd_model *m) {
                                       .n_bodies = 1,
                                       .bodies = &(uint32_t){0}});
 }
-static void endless_table(sd_model *m) {
-  double time[3] = {0, 1, 2}, value[3] = {0, INFINITY, 0};
+static void add_table(sd_model *m, double second_time, double second_value) {
+  double time[3] = {0, second_time, 2}, value[3] = {0, second_value, 0};
   sd_model_add_motion(m, &(sd_motion){.name = "q",
                                       .kind = SD_MOTION_TABLE,
                                       .amplitude = 1,
@@ -86,6 +86,8 @@ static void endless_table(sd_model *m) {
                                       .n_bodies = 1,
                                       .bodies = &(uint32_t){0}});
 }
+static void endless_table(sd_model *m) { add_table(m, 1, INFINITY); }
+static void table_of_one_time(sd_model *m) { add_table(m, 0, 1); }
 
 static void what_cannot_be_is_told(void **state) {
   const struct {
@@ -103,7 +105,8 @@ static void what_cannot_be_is_told(void **state) {
       {no_inertia, "disk 3: inertia = nan: expected a number >= 0"},
       {locked_and_fast, "disk 3: a locked coordinate cannot have a velocity"},
       {endless_wave, "motion \"q\": amplitude, omega, phase and velocity must be finite"},
-      {endless_table, "motion \"q\": table: expected finite numbers (row 1)"}};
+      {endless_table, "motion \"q\": table: expected finite numbers (row 1)"},
+      {table_of_one_time, "motion \"q\": table: time must increase (row 1)"}};
   for (size_t k = 0; k < sizeof mistakes / sizeof *mistakes; k++) {
     sd_model *m = base();
     sd_messages *messages = sd_messages_new();

@@ -5,6 +5,7 @@
 #include "unit.h"
 #include "model/model.h"
 #include "brief.h"
+#include "measure/error_bar.h"
 #include "model/state.h"
 #include "slipdisk/measure.h"
 
@@ -216,6 +217,19 @@ static void transients_are_found(void **unused) {
   assert_false(sd_mean_of(x, N, true).converged);
 }
 
+/* x = k under an error that dwarfs the scatter: q1 ... q4 are n/4 apart, and the difference of the first from the mean of the others
+ * has the variance (4 + 4/3) error^2. Rounding is no drift. */
+static void drifts_are_measured_in_their_error(void **unused) {
+  for (size_t k = 0; k < N; k++) x[k] = (double)k;
+  drift seen = drift_of(x, N, 1e6);
+  between(seen.sigmas, 0.999999 * 2 * (N / 4) / (sqrt(16. / 3) * 1e6),
+          1.000001 * 2 * (N / 4) / (sqrt(16. / 3) * 1e6), "standard errors");
+  between(seen.half, N / 4, N / 4, "half");
+  between(seen.ratio, 1, 1, "ratio");
+  for (size_t k = 0; k < N; k++) x[k] = k < N / 4 ? 1 + DBL_EPSILON : 1;
+  between(drift_of(x, N, 1e-18).sigmas, 0, 0, "rounding");
+}
+
 /* What looks like a transient in a stationary record is chance. */
 static void stationary_records_keep_their_start(void **unused) {
   enum { SEEDS = BRIEF(400, 100) };
@@ -403,6 +417,6 @@ static void sliding_of_a_state(void **unused) {
 RUN_TESTS(TEST(error_bars_cover), TEST(error_bars_of_bounded_noise_cover),
           TEST(slow_records_are_said_not_to_converge), TEST(constant_records_have_no_error),
           TEST(short_records_have_none_either), TEST(periodic_records_have_small_errors),
-          TEST(transients_are_found), TEST(stationary_records_keep_their_start),
-          TEST(slow_transients_are_covered), TEST(rotation_of_a_state),
-          TEST(ripples_of_a_drive_fall_out), TEST(sliding_of_a_state))
+          TEST(transients_are_found), TEST(drifts_are_measured_in_their_error),
+          TEST(stationary_records_keep_their_start), TEST(slow_transients_are_covered),
+          TEST(rotation_of_a_state), TEST(ripples_of_a_drive_fall_out), TEST(sliding_of_a_state))
