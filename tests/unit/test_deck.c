@@ -4,6 +4,7 @@
 #include <glob.h>
 
 #include "unit.h"
+#include "model/keys.h"
 #include "model/model.h"
 #include "io/store/h5.h"
 #include "model/state.h"
@@ -484,7 +485,22 @@ static int tear_down(void **state) {
   return rmdir(folder);
 }
 
+/* A default that is a word sets the value of that word, also of one that begins another. */
+static void words_are_defaults(void **unused) {
+  typedef struct choices {
+    sd_integrator a, b;
+  } choices;
+  static const deck_shape words[] = {WORD("on", 2), WORD("one", 1), LAST_WORD};
+  static const deck_key keys[] = {{"a", CHOICE, "\"one\"", words, "-", SETS(choices, a)},
+                                  {"b", CHOICE, "\"on\"", words, "-", SETS(choices, b)}};
+  static TABLE(table, "table", true, "-", keys);
+  choices c = {0};
+  deck_key_defaults(&table, &c);
+  assert_int_equal(c.a, 1);
+  assert_int_equal(c.b, 2);
+}
+
 RUN_TESTS_BETWEEN(set_up, tear_down, TEST(test_values), TEST(test_locks_except), TEST(test_streams),
                   TEST(test_numbers), TEST(test_form), TEST(test_overlaps), TEST(test_laws),
                   TEST(test_overrides), TEST(test_files), TEST(test_round_trip), TEST(test_shipped),
-                  TEST(test_places), TEST(test_clump_numbers))
+                  TEST(test_places), TEST(test_clump_numbers), TEST(words_are_defaults))

@@ -75,6 +75,15 @@ static void endless_wave(sd_model *m) {
                                       .n_bodies = 1,
                                       .bodies = &(uint32_t){0}});
 }
+static void ramp_back(sd_model *m) {
+  sd_model_add_motion(m, &(sd_motion){.name = "q",
+                                      .kind = SD_MOTION_HARMONIC,
+                                      .amplitude = 1,
+                                      .omega = 1,
+                                      .ramp = -1,
+                                      .n_bodies = 1,
+                                      .bodies = &(uint32_t){0}});
+}
 static void add_table(sd_model *m, double second_time, double second_value) {
   double time[3] = {0, second_time, 2}, value[3] = {0, second_value, 0};
   sd_model_add_motion(m, &(sd_motion){.name = "q",
@@ -106,6 +115,7 @@ static void what_cannot_be_is_told(void **state) {
       {locked_and_fast, "disk 3: a locked coordinate cannot have a velocity"},
       {endless_wave, "motion \"q\": amplitude, omega, phase and velocity must be finite"},
       {endless_table, "motion \"q\": table: expected finite numbers (row 1)"},
+      {ramp_back, "motion \"q\": ramp = -1: expected >= 0"},
       {table_of_one_time, "motion \"q\": table: time must increase (row 1)"}};
   for (size_t k = 0; k < sizeof mistakes / sizeof *mistakes; k++) {
     sd_model *m = base();
