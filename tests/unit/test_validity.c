@@ -11,13 +11,15 @@
 #include "physics/neighbours/validity.h"
 #include "physics/step/step.h"
 
-/* Disks fall on a segment and stay in contact with each other and with it. */
-static sd_simulation *packing(int threads) {
+/* Disks fall on a segment and stay in contact with each other and with it; more: of their law. */
+static sd_simulation *packing_with(const char *more, int threads) {
   text t = {0};
-  text_add(&t, "dt = 1e-3; gravity = { g = 1; }; integrator = \"verlet\"; steps = 100000;\n"
-               "materials = ( { name = \"m\"; k_n = 1e3; k_t = 8e2; gamma_n = 1; mu = 0.3; } );\n"
-               "walls = ( { type = \"segment\"; points = ((-1, 0), (30, 0)); } );\n"
-               "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); mass = 1; rows = (");
+  text_add(&t,
+           "dt = 1e-3; gravity = { g = 1; }; integrator = \"verlet\"; steps = 100000;\n"
+           "materials = ( { name = \"m\"; k_n = 1e3; k_t = 8e2; gamma_n = 1; mu = 0.3; %s } );\n"
+           "walls = ( { type = \"segment\"; points = ((-1, 0), (30, 0)); } );\n"
+           "disk_rows = ( { columns = (\"x\", \"y\", \"radius\"); mass = 1; rows = (",
+           more);
   add_lattice(&t, 600, 20, 0.6, 0.5, 1.0, 0.52, 3);
   text_add(&t, "); } );\n");
   sd_model *m = model_of_text(&t);
@@ -25,6 +27,7 @@ static sd_simulation *packing(int threads) {
   advance(sim, 50);
   return sim;
 }
+static sd_simulation *packing(int threads) { return packing_with("", threads); }
 
 static void end(sd_simulation *sim) {
   sd_model *m = (sd_model *)(uintptr_t)sd_simulation_model(sim);
@@ -106,6 +109,7 @@ static void beyond_cap(engine *e) {
   const size_t k = stuck(&e->work.pairs);
   PAIR(&e->work.pairs, k, zeta) = PAIR(&e->work.pairs, k, force);
 }
+static void tau_beyond(engine *e) { MORE(&e->work.pairs, stuck(&e->work.pairs), tau) = 1e3; }
 static void pulling_force(engine *e) { PAIR(&e->work.pairs, stuck(&e->work.pairs), force) = -1.0; }
 static void deep_overlap(engine *e) { PAIR(&e->work.pairs, stuck(&e->work.pairs), overlap) = 0.5; }
 static void no_side(engine *e) { e->work.pairs.side[on_wall(&e->work.pairs)] = 0.0; }
@@ -207,6 +211,24 @@ static void faults_of_steps(void **unused) {
   all_are_found(in_step, sizeof in_step / sizeof *in_step, validity_check_step);
 }
 
+/* Attraction and rolling friction have limits of their own; a run may have no free disk. */
+static void other_runs_pass(void **unused) {
+  sd_simulation *sim =
+      packing_with("cohesion = \"constant\"; pull_off = 0.1; mu_r = 0.1; k_r = 10;", 1);
+  assert_false(aborts(NULL, engine_of(sim), validity_check_lists));
+  assert_false(aborts(NULL, engine_of(sim), validity_check_step));
+  assert_true(aborts(&(fault){"tau_beyond", tau_beyond, 1}, engine_of(sim), validity_check_step));
+  end(sim);
+  sd_model *m = model_of("dt = 1e-3; integrator = \"verlet\"; steps = 10;\n"
+                         "materials = ( { name = \"m\"; k_n = 1e3; k_t = 8e2; } );\n"
+                         "disks = ( { x = 0; y = 0; radius = 1; mass = 1; fixed = true; } );");
+  sim = begin_run(m, 1);
+  advance(sim, 5);
+  validity_check_lists(engine_of(sim));
+  validity_check_step(engine_of(sim));
+  end(sim);
+}
+
 /* Steps and new lists look by themselves. */
 static void take_a_step(const engine *e) {
   const team alone = {.size = 1};
@@ -229,4 +251,5 @@ static void dev_builds_look(void **unused) {
   end(sim);
 }
 
-RUN_TESTS(TEST(faults_of_lists), TEST(faults_of_steps), TEST(dev_builds_look))
+RUN_TESTS(TEST(faults_of_lists), TEST(faults_of_steps), TEST(other_runs_pass),
+          TEST(dev_builds_look))
