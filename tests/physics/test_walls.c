@@ -3,6 +3,7 @@
  * A disk is led around a wall along a prescribed path. `follow` integrates lambda in the test's own way, from
  * the nearest point of the whole wall, and everything the engine says is compared with that at every step.
  */
+#include "model/overlaps.h"
 #include "system.h"
 
 enum { MOST_CORNERS = 8, TABLE = 2000 };
@@ -140,13 +141,13 @@ static void follow(follower *f, const round_trip *trip, const system_body *disk,
 
 /* Leads a disk that does not turn around the wall; mu so large that it never slides. */
 static void go_round(const round_trip *trip, sd_integrator integrator, const char *what) {
-  const double radius = 0.5, overlap = 0.004, dt = 1e-4;
+  const double radius = 0.5, depth = 0.004, dt = 1e-4;
   sd_model *m =
       system_new(integrator, SD_PAPER, dt,
                  (sd_contact_law){.k_n = 1e4, .k_t = trip->k_t, .gamma_n = 0, .mu = 1e12});
   system_disk(m, 0, 0, radius, 1);
   m->disks[0].inertia = 1e90;
-  lead(m, trip, radius - overlap);
+  lead(m, trip, radius - depth);
   size_t w =
       system_straight(m, trip->closed ? SD_WALL_POLYLINE : SD_WALL_SEGMENT, trip->n, trip->corner);
   m->walls[w].closed = trip->closed;
@@ -528,8 +529,29 @@ static void walls_that_cannot_be_are_refused(void **unused) {
   }
 }
 
+/* Gap between a disk and the nearest image of a segment of length 6 in a box of 10, which lies level or stands upright. */
+static void gaps_are_to_the_nearest_image(void **unused) {
+  static const struct {
+    double across, beside, gap; /* of the centre of a disk of radius 0.5 */
+  } at[] = {{0, 2, 1.5}, {2, -1, 0.5}, {4.5, 0, 1}, {5.5, 0, 1}, {-5.5, 0, 1}, {14.5, 0, 1}, {0, 9, 0.5}, {1, -8, 1.5}};
+  for (int upright = 0; upright < 2; upright++) {
+    sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-4, joint_laws[0]);
+    system_disk(m, 0, 2, 0.5, 1);
+    system_straight(m, SD_WALL_SEGMENT, 2, (const double[2][2]){{-3, 0}, {3, 0}});
+    m->walls[0].pivot[0] = 0;
+    for (int c = 0; c < 2; c++) m->periodic[c] = true, m->lower[c] = -5, m->upper[c] = 5;
+    assert_true(overlaps_first_gap(m, 0, 1) == 1.5);
+    for (size_t k = 0; k < sizeof at / sizeof *at; k++) {
+      const double way[2] = {at[k].across, at[k].beside}, x[2] = {upright ? -way[1] : way[0], way[upright ? 0 : 1]};
+      SYSTEM_NEAR(overlaps_gap(m, 0, x, 1, (const double[3]){0, 0, upright ? M_PI / 2 : 0}), at[k].gap, 1e-14, "gap %zu", k);
+    }
+    sd_model_free(m);
+  }
+}
+
 RUN_TESTS(TEST(disk_led_around_polygons), TEST(disk_led_around_both_ends_of_a_segment),
           TEST(groove_has_two_contacts), TEST(joint_below_a_disk_is_not_felt),
           TEST(joints_on_the_way_are_not_felt), TEST(sliding_turns_into_rolling),
           TEST(disk_goes_down_a_slope), TEST(walls_that_cannot_be_are_refused),
-          TEST(drum_drags_a_disk_to_the_angle_of_friction), TEST(disk_rolls_in_a_turning_drum))
+          TEST(drum_drags_a_disk_to_the_angle_of_friction), TEST(disk_rolls_in_a_turning_drum),
+          TEST(gaps_are_to_the_nearest_image))
