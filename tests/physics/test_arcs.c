@@ -263,5 +263,25 @@ static void test_geometry(void **unused) {
   }
 }
 
+/* From each end the wall leads away along the tangent. */
+static void test_ends(void **unused) {
+  const double from = 0.3, to = 2.0, radius = 1.5;
+  sd_model *m = system_new(SD_VERLET, SD_CONSERVATIVE, 1e-4, rough);
+  add_arc(m, 1, 2, radius, from, to);
+  size_t n = 0;
+  wall_end *ends = joints_ends(m, &n);
+  assert_int_equal(n, 2);
+  for (size_t k = 0; k < n; k++) {
+    const double angle = ends[k].end ? to : from, into = ends[k].end ? -1 : 1;
+    SYSTEM_NEAR(ends[k].at[0], 1 + radius * cos(angle), 1e-15, "x of end %zu", k);
+    SYSTEM_NEAR(ends[k].at[1], 2 + radius * sin(angle), 1e-15, "y of end %zu", k);
+    SYSTEM_NEAR(ends[k].way[0], -into * sin(angle), 1e-15, "x of the tangent at end %zu", k);
+    SYSTEM_NEAR(ends[k].way[1], into * cos(angle), 1e-15, "y of the tangent at end %zu", k);
+    SYSTEM_NEAR(ends[k].along, radius * (to - from), 1e-15, "length at end %zu", k);
+  }
+  free(ends);
+  sd_model_free(m);
+}
+
 RUN_TESTS(TEST(test_a_pendulum), TEST(test_around_the_ends), TEST(test_a_ring_is_a_circle),
-          TEST(test_on_the_rims), TEST(test_off_the_end), TEST(test_geometry), TEST(test_sides))
+          TEST(test_on_the_rims), TEST(test_off_the_end), TEST(test_geometry), TEST(test_sides), TEST(test_ends))
