@@ -210,6 +210,34 @@ static void test_cells_at_walls(void **state) {
   }
 }
 
+/* The same in a box that stands askew. */
+static void test_cells_at_inclined_walls(void **state) {
+  const double cosine = cos(0.5), sine = sin(0.5);
+  const double corners[4][2] = {{0, 0}, {3, 0}, {3, 3}, {0, 3}};
+  sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, LAW);
+  for (int k = 0; k < 9; k++) {
+    const double x = 0.5 + k % 3, y = 0.5 + k / 3;
+    system_disk(m, cosine * x - sine * y, sine * x + cosine * y, 0.5, 1.0);
+  }
+  for (int w = 0; w < 4; w++) {
+    double ends[2][2];
+    for (int end = 0; end < 2; end++) {
+      const double *p = corners[(w + end) % 4];
+      ends[end][0] = cosine * p[0] - sine * p[1];
+      ends[end][1] = sine * p[0] + cosine * p[1];
+    }
+    system_straight(m, w % 2 ? SD_WALL_SEGMENT : SD_WALL_LINE, 2, ends);
+  }
+  for (int k = 0; k < 2; k++) m->region_lower[k] = -9, m->region_upper[k] = 9;
+  configuration c = at_start(m);
+  cells t = cells_of(&c, NULL);
+  assert_int_equal(t.n_closed, 9);
+  for (size_t i = 0; i < 9; i++) SYSTEM_NEAR(t.area[i], 1.0, 1e-12, "cell %zu", i);
+  cells_free(&t);
+  configuration_free(&c);
+  sd_model_free(m);
+}
+
 /* One disk in the middle of a drum, and six about one. */
 static void test_cells_in_drum(void **state) {
   sd_model *m = system_new(SD_GEAR5, SD_PAPER, 1e-3, LAW);
@@ -598,7 +626,7 @@ static void test_absent_disks(void **state) {
 }
 
 RUN_TESTS(TEST(test_triangular), TEST(test_square), TEST(test_part_of_lattice),
-          TEST(test_disk_between_walls), TEST(test_cells_at_walls), TEST(test_cells_in_drum),
+          TEST(test_disk_between_walls), TEST(test_cells_at_walls), TEST(test_cells_at_inclined_walls), TEST(test_cells_in_drum),
           TEST(test_radical_cells), TEST(test_many_radical_cells), TEST(test_flat_cells),
           TEST(test_ideal_pairs), TEST(test_rattlers), TEST(test_cut_disks), TEST(test_outline),
           TEST(test_forces_of_a_run), TEST(test_recomputed_contacts), TEST(test_absent_disks))

@@ -419,9 +419,4 @@ void pairs_list_free(engine *e) {
   free(w->sums.single);
   arena_free(w->packed);
   free(w->row);
-  w->incidence = (incidence){0};
-  w->packed = NULL;
-  w->row = NULL;
-  w->packed_capacity = 0;
-  w->sums = (sums){0};
 }
