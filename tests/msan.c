@@ -98,14 +98,6 @@ static herr_t written_pages(H5FD_t *file, H5FD_mem_t type, hid_t transfer, haddr
   return write_pages(file, type, transfer, at, bytes, data);
 }
 
-/* Bytes between the members of structs reach the image of a model in saved simulations. None is read. */
-#pragma weak __real_model_serialize /* some tests are linked without it */
-WRAP(void *, model_serialize, const sd_model *model, size_t *bytes) {
-  void *image = __real_model_serialize(model, bytes);
-  if (image) __msan_unpoison(image, *bytes);
-  return image;
-}
-
 /* The driver for files in memory: what HDF5 writes there */
 WRAP(hid_t, H5FDregister, const H5FD_class_t *driver) {
   H5FD_class_t own = *driver;

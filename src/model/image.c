@@ -2,7 +2,7 @@
  *
  * Two tables name everything that a model owns: its lists, and the data to which elements of a list
  * point. The serialized model is the struct, then each list, followed by the data of its elements.
- * Pointers are stored as zeros.
+ * Pointers, and bytes between members, which may have any value, are stored as zeros.
  */
 #include "model/model.h"
 
@@ -84,6 +84,67 @@ static const struct owned {
              TEXT(averages, offsetof(sd_average_watch, text))};
 enum { OWNED = sizeof owned / sizeof *owned };
 
+/* Bytes without a meaning in the elements of a list, or in the model itself: those between two
+ * members, or behind the last one. test_model_image compares them with the compiler's. */
+#define GAP(list, type, last, next)                                                                \
+  {                                                                                                \
+    offsetof(sd_model, list), offsetof(type, last) + sizeof((type *)NULL)->last,                   \
+        offsetof(type, next), 1                                                                    \
+  }
+#define END(list, type, last)                                                                      \
+  { offsetof(sd_model, list), offsetof(type, last) + sizeof((type *)NULL)->last, sizeof(type), 1 }
+#define TERMS(k)                                                                                   \
+  {                                                                                                \
+    offsetof(sd_model, averages), offsetof(sd_average_watch, of[k].term[0].rate) + sizeof(bool),   \
+        offsetof(sd_average_watch, of[k].term[0].factor), SD_AVERAGE_TERMS                         \
+  }
+#define IN_MODEL(last, next)                                                                       \
+  {                                                                                                \
+    SIZE_MAX, offsetof(sd_model, last) + sizeof((sd_model *)NULL)->last, offsetof(sd_model, next), \
+        1                                                                                          \
+  }
+static const struct gap {
+  size_t list;       /* offset of the pointer to the list; SIZE_MAX: the model itself */
+  size_t start, end; /* within an element */
+  size_t times;      /* number of such gaps, each a term of an average after the one before */
+} gaps[] = {GAP(laws, sd_contact_law, normal, restitution),
+            GAP(laws, sd_contact_law, damping_pulls, mu_kinetic),
+            GAP(laws, sd_contact_law, tangential, gamma_t),
+            GAP(laws, sd_contact_law, cohesion, pull_off),
+            GAP(disks, sd_disk, waiting, clump),
+            GAP(walls, sd_wall, closed, radius),
+            GAP(walls, sd_wall, inside, center),
+            GAP(clumps, sd_clump, locked, position),
+            GAP(motions, sd_motion, stream, n_table),
+            END(motions, sd_motion, periodic),
+            GAP(fields, sd_body_force, kind, n_disks),
+            GAP(fields, sd_body_force, per, centre),
+            GAP(phases, sd_phase, measure, series_every),
+            GAP(phases, sd_phase, settle.asked, settle.kinetic),
+            GAP(phases, sd_phase, relax, compress),
+            GAP(phases, sd_phase, compress.asked, compress.pressure),
+            GAP(phases, sd_phase, cell.asked, cell.rate),
+            GAP(phases, sd_phase, cell.controlled, cell.stress),
+            GAP(phases, sd_phase, cell.boundary, n_hold),
+            GAP(tiles.walls, sd_tile_wall, known, wall),
+            END(tiles.walls, sd_tile_wall, ring),
+            TERMS(0),
+            TERMS(1),
+            IN_MODEL(limits.unstable_step, gravity),
+            IN_MODEL(periodic, container),
+            IN_MODEL(bounds.given, bounds.lower),
+            IN_MODEL(bounds.outside, n_materials),
+            IN_MODEL(tiles.of_file, tiles.entry),
+            IN_MODEL(tiles.forces_carried, tiles.walls),
+            IN_MODEL(tiles.material, n_rains),
+            IN_MODEL(forces_carried, n_derivatives),
+            IN_MODEL(until.asked, until.least),
+            IN_MODEL(until.scaled, until.error),
+            IN_MODEL(measure_configurations, measure_every),
+            IN_MODEL(parted, n_known),
+            IN_MODEL(finished, n_segments)};
+enum { GAPS = sizeof gaps / sizeof *gaps };
+
 /* Returns the number, or the pointer, at an offset of a struct. */
 static size_t number_at(const void *from, size_t offset) {
   return *(const size_t *)((const char *)from + offset);
@@ -136,13 +197,22 @@ static void transfer(image *im, void *data, size_t size) {
   im->n += size;
 }
 
-/* Sets a pointer to zero, given the address `place` of the pointer. When writing, only its copy
- * in the serialized model is changed; the pointer must belong to the data written last. */
-static void forget(image *im, void *place) {
+/* Sets bytes to zero, given their address. When writing, only their copy in the serialized model is
+ * changed; they must belong to the data written last. */
+static void blank(image *im, void *place, size_t size) {
   if (im->writes && !failed(im))
-    memset(im->bytes + im->offset + ((const char *)place - im->source), 0, sizeof(void *));
+    memset(im->bytes + im->offset + ((const char *)place - im->source), 0, size);
   else if (!im->writes)
-    memset(place, 0, sizeof(void *));
+    memset(place, 0, size);
+}
+
+static void forget(image *im, void *pointer) { blank(im, pointer, sizeof(void *)); }
+
+/* Blanks the gaps of an element of a list, or of the model. */
+static void blank_gaps(image *im, size_t list, char *element) {
+  for (const struct gap *g = gaps; g < gaps + GAPS; g++)
+    for (size_t k = 0; g->list == list && k < g->times; k++)
+      blank(im, element + g->start + k * sizeof(sd_average_term), g->end - g->start);
 }
 
 /* Allocates n zeroed elements of `size` bytes and stores their address at `place`. Out of
@@ -207,9 +277,11 @@ static void walk_list(image *im, sd_model *m, const struct list *list) {
   array(im, place, n, list->size);
   if (failed(im)) return;
   char *first = pointer_at(place, 0);
-  for (size_t k = 0; k < n; k++)
+  for (size_t k = 0; k < n; k++) {
+    blank_gaps(im, list->pointer, first + k * list->size);
     for (const struct owned *o = owned; o < owned + OWNED; o++)
       if (o->list == list->pointer) forget(im, first + k * list->size + o->pointer);
+  }
   for (size_t k = 0; k < n; k++) walk_element(im, m, list->pointer, first + k * list->size);
 }
 
@@ -219,6 +291,7 @@ static void walk(image *im, sd_model *m) {
                     &m->clump_offsets, &m->advised,  &m->mine, &m->known,    &m->comm};
   for (size_t k = 0; k < sizeof places / sizeof *places; k++) forget(im, places[k]);
   for (size_t k = 0; k < LISTS; k++) forget(im, (char *)m + lists[k].pointer);
+  blank_gaps(im, SIZE_MAX, (char *)m);
   text(im, &m->title);
   for (size_t k = 0; k < LISTS; k++) walk_list(im, m, &lists[k]);
 }
