@@ -284,4 +284,5 @@ static void test_ends(void **unused) {
 }
 
 RUN_TESTS(TEST(test_a_pendulum), TEST(test_around_the_ends), TEST(test_a_ring_is_a_circle),
-          TEST(test_on_the_rims), TEST(test_off_the_end), TEST(test_geometry), TEST(test_sides), TEST(test_ends))
+          TEST(test_on_the_rims), TEST(test_off_the_end), TEST(test_geometry), TEST(test_sides),
+          TEST(test_ends))

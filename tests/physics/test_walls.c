@@ -533,7 +533,8 @@ static void walls_that_cannot_be_are_refused(void **unused) {
 static void gaps_are_to_the_nearest_image(void **unused) {
   static const struct {
     double across, beside, gap; /* of the centre of a disk of radius 0.5 */
-  } at[] = {{0, 2, 1.5}, {2, -1, 0.5}, {4.5, 0, 1}, {5.5, 0, 1}, {-5.5, 0, 1}, {14.5, 0, 1}, {0, 9, 0.5}, {1, -8, 1.5}};
+  } at[] = {{0, 2, 1.5},  {2, -1, 0.5}, {4.5, 0, 1}, {5.5, 0, 1},
+            {-5.5, 0, 1}, {14.5, 0, 1}, {0, 9, 0.5}, {1, -8, 1.5}};
   for (int upright = 0; upright < 2; upright++) {
     sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-4, joint_laws[0]);
     system_disk(m, 0, 2, 0.5, 1);
@@ -542,8 +543,10 @@ static void gaps_are_to_the_nearest_image(void **unused) {
     for (int c = 0; c < 2; c++) m->periodic[c] = true, m->lower[c] = -5, m->upper[c] = 5;
     assert_true(overlaps_first_gap(m, 0, 1) == 1.5);
     for (size_t k = 0; k < sizeof at / sizeof *at; k++) {
-      const double way[2] = {at[k].across, at[k].beside}, x[2] = {upright ? -way[1] : way[0], way[upright ? 0 : 1]};
-      SYSTEM_NEAR(overlaps_gap(m, 0, x, 1, (const double[3]){0, 0, upright ? M_PI / 2 : 0}), at[k].gap, 1e-14, "gap %zu", k);
+      const double way[2] = {at[k].across, at[k].beside},
+                   x[2] = {upright ? -way[1] : way[0], way[upright ? 0 : 1]};
+      SYSTEM_NEAR(overlaps_gap(m, 0, x, 1, (const double[3]){0, 0, upright ? M_PI / 2 : 0}),
+                  at[k].gap, 1e-14, "gap %zu", k);
     }
     sd_model_free(m);
   }

@@ -226,7 +226,7 @@ static void test_cells_at_inclined_walls(void **state) {
       ends[end][0] = cosine * p[0] - sine * p[1];
       ends[end][1] = sine * p[0] + cosine * p[1];
     }
-    system_straight(m, w % 2 ? SD_WALL_SEGMENT : SD_WALL_LINE, 2, ends);
+    system_straight(m, w % 2 ? SD_WALL_SEGMENT : SD_WALL_LINE, 2, (const double(*)[2])ends);
   }
   for (int k = 0; k < 2; k++) m->region_lower[k] = -9, m->region_upper[k] = 9;
   configuration c = at_start(m);
@@ -626,7 +626,8 @@ static void test_absent_disks(void **state) {
 }
 
 RUN_TESTS(TEST(test_triangular), TEST(test_square), TEST(test_part_of_lattice),
-          TEST(test_disk_between_walls), TEST(test_cells_at_walls), TEST(test_cells_at_inclined_walls), TEST(test_cells_in_drum),
-          TEST(test_radical_cells), TEST(test_many_radical_cells), TEST(test_flat_cells),
-          TEST(test_ideal_pairs), TEST(test_rattlers), TEST(test_cut_disks), TEST(test_outline),
-          TEST(test_forces_of_a_run), TEST(test_recomputed_contacts), TEST(test_absent_disks))
+          TEST(test_disk_between_walls), TEST(test_cells_at_walls),
+          TEST(test_cells_at_inclined_walls), TEST(test_cells_in_drum), TEST(test_radical_cells),
+          TEST(test_many_radical_cells), TEST(test_flat_cells), TEST(test_ideal_pairs),
+          TEST(test_rattlers), TEST(test_cut_disks), TEST(test_outline), TEST(test_forces_of_a_run),
+          TEST(test_recomputed_contacts), TEST(test_absent_disks))

@@ -178,10 +178,12 @@ static void tables(void **unused) {
 static void motions(void **unused) {
 #define MOTION(what) START DISK BEAM "motions = ( { " what " } );"
 #define SURFACE(wall)                                                                              \
-  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; k_r = 1; mu_r = 0.1; } );\n" DISK \
-  "walls = ( { name = \"w\"; type = \"circle\"; center = (0, 0); radius = 9; side = \"inside\"; },\n" \
-  "          { name = \"v\"; type = \"segment\"; points = ((0, -2), (4, -2)); } );\n"               \
-  "motions = ( { wall = \"" wall "\"; coordinate = \"surface\"; type = \"velocity\"; velocity = 1; } );"
+  "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; k_r = 1; mu_r = 0.1; } "         \
+  ");\n" DISK "walls = ( { name = \"w\"; type = \"circle\"; center = (0, 0); radius = 9; side = "  \
+              "\"inside\"; },\n"                                                                   \
+  "          { name = \"v\"; type = \"segment\"; points = ((0, -2), (4, -2)); } );\n"              \
+  "motions = ( { wall = \"" wall                                                                   \
+  "\"; coordinate = \"surface\"; type = \"velocity\"; velocity = 1; } );"
 #define SERVO(more) "type = \"servo\"; speed = 1; " more
   static const corner list[] = {
       {MOTION("wall = \"w\"; coordinate = \"x\"; type = \"harmonic\"; amplitude = 1; omega = 0;"),

@@ -75,7 +75,7 @@ static void an_overlap_ends_both_alike(void **state) {
     const char *more[] = {integrators[c % 2], "max_overlap=2e-5", "dt=1e-5", "gravity.g=1e-6"};
     sd_model *model[2];
     sd_simulation *sim[2];
-    char text[2][256];
+    char said[2][256];
     for (int k = 0; k < 2; k++) {
       sim[k] = start(decks[c / 2], more, c / 2 == 1 ? 4 : 3, steps_to_take[k], &model[k]);
       if (c / 2 == 1)
@@ -83,12 +83,12 @@ static void an_overlap_ends_both_alike(void **state) {
       sd_messages *m = sd_messages_new();
       assert_int_equal(sd_simulation_advance(sim[k], 100000, m), SD_ERROR_NUMERIC);
       assert_int_equal(sd_messages_count(m), 1);
-      snprintf(text[k], sizeof text[k], "%s", sd_messages_text(m, 0));
+      snprintf(said[k], sizeof said[k], "%s", sd_messages_text(m, 0));
       sd_messages_free(m);
     }
     const sd_state *one = sd_simulation_state(sim[0]), *two = sd_simulation_state(sim[1]);
-    assert_string_equal(text[0], text[1]);
-    assert_true(one->step > 1 && strstr(text[0], "overlap by"));
+    assert_string_equal(said[0], said[1]);
+    assert_true(one->step > 1 && strstr(said[0], "overlap by"));
     for (size_t f = 0; f < sd_field_count; f++) {
       bool derivative = false;
       for (size_t g = 0; g < sizeof gone / sizeof *gone; g++)
