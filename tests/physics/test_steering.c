@@ -4,6 +4,7 @@
 #include "unit.h"
 
 #include "model/laws.h"
+#include "model/state.h"
 #include "slipdisk/slipdisk.h"
 
 static void check(sd_status status, sd_messages *m) {
@@ -247,6 +248,28 @@ static const char box[] =
     "packings = ( { type = \"square\"; count = 64; spacing = 0.12; jitter = 0.3; radius = 0.05; "
     "density = 1.0; } );\n";
 
+/* To hold what is held is the same as to release a disk that was never held, also while a contact swings. */
+static void test_held_twice(void **unused) {
+  FOR_INTEGRATORS for (int held = 0; held < 2; held++) {
+    char deck[1200];
+    snprintf(deck, sizeof deck, "%swalls = ( { type = \"line\"; points = ((0, -1), (1, -1)); } );\nsteps = 1000;\n",
+             intruder);
+    sd_simulation *sim[2];
+    for (int k = 0; k < 2; k++) {
+      sim[k] = begin(deck, *how, 1);
+      set(sim[k], "held", 1, 0);
+      advance(sim[k], 20);
+      if (held) set(sim[k], "held", 1, 1);
+      advance(sim[k], 20);
+      set(sim[k], "held", k ? 1 : 0, k && held); /* the other disk was free */
+      advance(sim[k], 20);
+    }
+    const sd_field *f = sd_state_difference(sd_simulation_state(sim[0]), sd_simulation_state(sim[1]));
+    if (f) fail_msg("%s, held %d: %s", *how, held, f->name);
+    for (int k = 0; k < 2; k++) sd_simulation_free(sim[k]);
+  }
+}
+
 static void test_swelling(void **unused) {
   FOR_INTEGRATORS {
     sd_simulation *sim = begin(box, *how, 1);
@@ -376,5 +399,5 @@ static void test_turning(void **unused) {
 }
 
 RUN_TESTS(TEST(test_thrown), TEST(test_spring), TEST(test_friction), TEST(test_motions),
-          TEST(test_release), TEST(test_swelling), TEST(test_refused), TEST(test_turning),
+          TEST(test_release), TEST(test_held_twice), TEST(test_swelling), TEST(test_refused), TEST(test_turning),
           TEST(test_many))
