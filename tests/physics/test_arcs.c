@@ -1,6 +1,7 @@
 /* test_arcs.c: walls that are part of a circle: a pendulum, ways around both ends, a ring against a circle, a disk that lies on the rims,
  * one that rolls off the end, distances and boxes. */
 #include "model/walls.h"
+#include "model/motions.h"
 #include "model/overlaps.h"
 #include "physics/contact/walls.h"
 #include "system.h"
@@ -280,6 +281,10 @@ static void test_ends(void **unused) {
     SYSTEM_NEAR(ends[k].along, radius * (to - from), 1e-15, "length at end %zu", k);
   }
   free(ends);
+  /* the farthest point of the circle from the pivot */
+  m->walls[0].pivot[0] = 4;
+  m->walls[0].pivot[1] = -2;
+  SYSTEM_NEAR(strides_arm(m, 0), 5 + radius, 1e-15, "arm");
   sd_model_free(m);
 }
 

@@ -417,6 +417,21 @@ static void test_mistakes(void **unused) {
   refused(DECK("xy", "measure = { disks = true; };", "rate_xy = 1;"), "measure.disks");
 }
 
+/* A run that goes on from its state, in the middle of a phase, deforms the box as before. */
+static void test_goes_on(void **unused) {
+  sd_simulation *sim[2];
+  sd_model *m[2];
+  for (int k = 0; k < 2; k++) {
+    m[k] = lattice(5e-3, 0.02, "phases = ( { steps = 900; cell = { rate_xy = 0.15; rate_xx = -0.05; }; } );");
+    sim[k] = begin_run(m[k], 1);
+    advance(sim[k], 333);
+    if (k) sim[k] = go_on_from_copy(sim[k], 1);
+    advance(sim[k], 333);
+  }
+  same_states(sd_simulation_state(sim[0]), sd_simulation_state(sim[1]), "from a copy");
+  for (int k = 0; k < 2; k++) end_run(sim[k], m[k]);
+}
+
 RUN_TESTS(TEST(test_pair), TEST(test_lattice), TEST(test_moduli), TEST(test_whole_shear),
           TEST(test_translation), TEST(test_energy), TEST(test_stress_is_reached),
-          TEST(test_settles_at_the_stress), TEST(test_mistakes))
+          TEST(test_settles_at_the_stress), TEST(test_mistakes), TEST(test_goes_on))
