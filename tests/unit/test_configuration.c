@@ -176,6 +176,7 @@ static void test_disk_between_walls(void **state) {
   SYSTEM_NEAR(s.contact[STRESS_XX], 0.0, 1e-15, "stress xx");
   SYSTEM_NEAR(s.contact_principal.angle, 0.5 * M_PI, 1e-12, "angle");
   SYSTEM_NEAR(s.anisotropy, 2.0, 1e-12, "anisotropy: all along one direction");
+  SYSTEM_NEAR(s.fabric_angle, 0.5 * M_PI, 1e-12, "its direction");
   /* what the two walls cut off is a segment of height overlap each */
   double angle = 2.0 * acos(half / radius), segment = 0.5 * radius * radius * (angle - sin(angle));
   SYSTEM_NEAR(s.fraction, (M_PI * radius * radius - 2.0 * segment) / (width * 2.0 * half), 1e-14,

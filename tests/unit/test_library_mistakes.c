@@ -174,6 +174,9 @@ static void numbers_of_nothing_are_answered(void **state) {
   assert_int_equal(sd_simulation_slot(sim, SD_WALL(1)), UINT32_MAX);
   assert_true(isnan(sd_simulation_angle(sim, sd_model_find(m, "ceiling"))));
   assert_null(sd_model_law(m, 0, 1));
+  assert_null(sd_model_law(m, 1, 0));
+  assert_null(sd_model_law(m, -1, 0));
+  assert_null(sd_model_law(m, 0, -1));
   assert_string_equal(sd_model_body_name(m, 7, text, sizeof text), "body 7, which does not exist");
   assert_int_equal(sd_model_side(m, 7, SD_Y), 0);
   assert_int_equal(sd_model_side(m, 3, SD_Y), 1);
