@@ -110,6 +110,27 @@ static void one_end_falls_on_a_wall(void **unused) {
   }
 }
 
+/* The mass in the damping of a restitution is that of the clump: a dimer that falls end-on leaves at e v, as a disk beside it does. */
+static void a_clump_leaves_with_its_restitution(void **unused) {
+  const double d = 0.8, radius = 1, mass = 0.5, v = 1, k = 1e6, restitution = 0.5;
+  const double duration = M_PI * sqrt(2 * mass / k);
+  for (int integrator = 0; integrator < 2; integrator++) {
+    sd_model *m = system_new((sd_integrator)integrator, SD_PAPER, duration / 400,
+                             (sd_contact_law){.k_n = k, .restitution = restitution});
+    const uint32_t disk = system_disk(m, 9, radius + 1e-6, radius, mass);
+    m->disks[disk].velocity[SD_Y] = -v;
+    add_dimer(m, 0, d + radius + 1e-6, M_PI / 2, d, radius, mass);
+    m->clumps[0].velocity[SD_Y] = -v;
+    floor_at(m, 0);
+    sd_simulation *s = system_start(m);
+    system_advance(s, 900);
+    assert_int_equal(sd_simulation_state(s)->n_contacts, 0);
+    SYSTEM_NEAR(sd_simulation_state(s)->clump_vy[0], restitution * v, 2e-3, "velocity of the clump");
+    SYSTEM_NEAR(system_at(s, disk).vy, restitution * v, 2e-3, "velocity of the disk");
+    system_end(s);
+  }
+}
+
 /* A round body rolls to and fro about its heavy side: w^2 = M g h/(I + M (R - h)^2), h from the middle to the centre of mass. */
 static void a_tumbler_rocks(void **unused) {
   const double R = 1, mass = 0.3, heavy = 0.7, below = 0.6, g = 10, k = 1e8, turned = 0.01;
@@ -346,7 +367,7 @@ static void a_packing_closes_its_budget(void **unused) {
 }
 
 RUN_TESTS(TEST(a_free_clump_keeps_its_momenta), TEST(a_collision_keeps_the_momenta),
-          TEST(one_end_falls_on_a_wall), TEST(a_tumbler_rocks),
+          TEST(one_end_falls_on_a_wall), TEST(a_clump_leaves_with_its_restitution), TEST(a_tumbler_rocks),
           TEST(edges_of_a_periodic_box_are_not_felt), TEST(the_shape_does_not_depend_on_the_order),
           TEST(a_body_that_closes_around_the_box_is_refused), TEST(a_plate_is_dragged),
           TEST(a_packing_closes_its_budget))
