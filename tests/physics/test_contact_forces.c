@@ -22,6 +22,7 @@ static const struct {
       .k_r = 300,
       .mu_r = 0.2,
       .gamma_r = 1}},
+    {"rolling backwards", {.k_n = 1e3, .k_t = 5e2, .gamma_n = 1, .mu = 0.3, .k_r = 300, .mu_r = 0.2}},
     {"mindlin, pull-off",
      {.normal = SD_NORMAL_HERTZ,
       .tangential = SD_TANGENTIAL_MINDLIN,
@@ -97,7 +98,7 @@ static sd_simulation *start(int shape, size_t law, sd_variant variant) {
   sd_model *m = system_new(SD_VERLET, variant, 1e-3, laws[law].law);
   const double lift = shape == END ? 0.94 : shape == RIM ? 0.965 : 0.99;
   system_disk(m, 0, lift, 1, 2);
-  system_velocity(m, 0, 0.3, -0.5, 5);
+  system_velocity(m, 0, 0.3, -0.5, strstr(laws[law].name, "backwards") ? -5 : 5);
   m->gravity[SD_Y] = -10;
   add_partner(m, shape);
   sd_model_add_group(m, "one", 1, &(uint32_t){0});
