@@ -104,6 +104,10 @@ static void bodies_that_cannot_be(void **unused) {
 #define FIELD(more)                                                                                \
   START DISK "fields = ( { name = \"f\"; type = \"drag\"; gamma = 1; } , { " more " } );"
   static const corner list[] = {
+      {START DISK "walls = ( { name = \"w\"; type = \"circle\"; center = (3.5, 0); radius = 3; side = \"inside\"; } );",
+       "disk \"a\" sits 1.5 deep in wall \"w\""},
+      {START DISK "walls = ( { name = \"w\"; type = \"circle\"; center = (1.2, 0); radius = 1; side = \"outside\"; } );",
+       "disk \"a\" sits 0.8 deep in wall \"w\""},
       {START DISK
        "walls = ( { name = \"w\"; type = \"line\"; points = ((0, -4), (1, -4)); }, { name = "
        "\"w\"; type = \"line\"; points = ((0, -5), (1, -5)); } );",
