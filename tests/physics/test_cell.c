@@ -422,7 +422,8 @@ static void test_goes_on(void **unused) {
   sd_simulation *sim[2];
   sd_model *m[2];
   for (int k = 0; k < 2; k++) {
-    m[k] = lattice(5e-3, 0.02, "phases = ( { steps = 900; cell = { rate_xy = 0.15; rate_xx = -0.05; }; } );");
+    m[k] = lattice(5e-3, 0.02,
+                   "phases = ( { steps = 900; cell = { rate_xy = 0.15; rate_xx = -0.05; }; } );");
     sim[k] = begin_run(m[k], 1);
     advance(sim[k], 333);
     if (k) sim[k] = go_on_from_copy(sim[k], 1);

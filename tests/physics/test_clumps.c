@@ -125,7 +125,8 @@ static void a_clump_leaves_with_its_restitution(void **unused) {
     sd_simulation *s = system_start(m);
     system_advance(s, 900);
     assert_int_equal(sd_simulation_state(s)->n_contacts, 0);
-    SYSTEM_NEAR(sd_simulation_state(s)->clump_vy[0], restitution * v, 2e-3, "velocity of the clump");
+    SYSTEM_NEAR(sd_simulation_state(s)->clump_vy[0], restitution * v, 2e-3,
+                "velocity of the clump");
     SYSTEM_NEAR(system_at(s, disk).vy, restitution * v, 2e-3, "velocity of the disk");
     system_end(s);
   }
@@ -367,7 +368,8 @@ static void a_packing_closes_its_budget(void **unused) {
 }
 
 RUN_TESTS(TEST(a_free_clump_keeps_its_momenta), TEST(a_collision_keeps_the_momenta),
-          TEST(one_end_falls_on_a_wall), TEST(a_clump_leaves_with_its_restitution), TEST(a_tumbler_rocks),
-          TEST(edges_of_a_periodic_box_are_not_felt), TEST(the_shape_does_not_depend_on_the_order),
+          TEST(one_end_falls_on_a_wall), TEST(a_clump_leaves_with_its_restitution),
+          TEST(a_tumbler_rocks), TEST(edges_of_a_periodic_box_are_not_felt),
+          TEST(the_shape_does_not_depend_on_the_order),
           TEST(a_body_that_closes_around_the_box_is_refused), TEST(a_plate_is_dragged),
           TEST(a_packing_closes_its_budget))

@@ -252,7 +252,8 @@ static const char box[] =
 static void test_held_twice(void **unused) {
   FOR_INTEGRATORS for (int held = 0; held < 2; held++) {
     char deck[1200];
-    snprintf(deck, sizeof deck, "%swalls = ( { type = \"line\"; points = ((0, -1), (1, -1)); } );\nsteps = 1000;\n",
+    snprintf(deck, sizeof deck,
+             "%swalls = ( { type = \"line\"; points = ((0, -1), (1, -1)); } );\nsteps = 1000;\n",
              intruder);
     sd_simulation *sim[2];
     for (int k = 0; k < 2; k++) {
@@ -264,7 +265,8 @@ static void test_held_twice(void **unused) {
       set(sim[k], "held", k ? 1 : 0, k && held); /* the other disk was free */
       advance(sim[k], 20);
     }
-    const sd_field *f = sd_state_difference(sd_simulation_state(sim[0]), sd_simulation_state(sim[1]));
+    const sd_field *f =
+        sd_state_difference(sd_simulation_state(sim[0]), sd_simulation_state(sim[1]));
     if (f) fail_msg("%s, held %d: %s", *how, held, f->name);
     for (int k = 0; k < 2; k++) sd_simulation_free(sim[k]);
   }
@@ -399,5 +401,5 @@ static void test_turning(void **unused) {
 }
 
 RUN_TESTS(TEST(test_thrown), TEST(test_spring), TEST(test_friction), TEST(test_motions),
-          TEST(test_release), TEST(test_held_twice), TEST(test_swelling), TEST(test_refused), TEST(test_turning),
-          TEST(test_many))
+          TEST(test_release), TEST(test_held_twice), TEST(test_swelling), TEST(test_refused),
+          TEST(test_turning), TEST(test_many))

@@ -104,9 +104,11 @@ static void bodies_that_cannot_be(void **unused) {
 #define FIELD(more)                                                                                \
   START DISK "fields = ( { name = \"f\"; type = \"drag\"; gamma = 1; } , { " more " } );"
   static const corner list[] = {
-      {START DISK "walls = ( { name = \"w\"; type = \"circle\"; center = (3.5, 0); radius = 3; side = \"inside\"; } );",
+      {START DISK "walls = ( { name = \"w\"; type = \"circle\"; center = (3.5, 0); radius = 3; "
+                  "side = \"inside\"; } );",
        "disk \"a\" sits 1.5 deep in wall \"w\""},
-      {START DISK "walls = ( { name = \"w\"; type = \"circle\"; center = (1.2, 0); radius = 1; side = \"outside\"; } );",
+      {START DISK "walls = ( { name = \"w\"; type = \"circle\"; center = (1.2, 0); radius = 1; "
+                  "side = \"outside\"; } );",
        "disk \"a\" sits 0.8 deep in wall \"w\""},
       {START DISK
        "walls = ( { name = \"w\"; type = \"line\"; points = ((0, -4), (1, -4)); }, { name = "
@@ -184,7 +186,7 @@ static void motions(void **unused) {
 #define SURFACE(wall)                                                                              \
   "dt = 1e-3; steps = 10; materials = ( { name = \"m\"; k_n = 10; k_r = 1; mu_r = 0.1; } "         \
   ");\n" DISK "walls = ( { name = \"w\"; type = \"circle\"; center = (0, 0); radius = 9; side = "  \
-              "\"inside\"; },\n"                                                                   \
+  "\"inside\"; },\n"                                                                               \
   "          { name = \"v\"; type = \"segment\"; points = ((0, -2), (4, -2)); } );\n"              \
   "motions = ( { wall = \"" wall                                                                   \
   "\"; coordinate = \"surface\"; type = \"velocity\"; velocity = 1; } );"

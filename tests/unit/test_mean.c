@@ -361,13 +361,13 @@ static void ripples_of_a_drive_fall_out(void **unused) {
     sd_motion wave[2] = {{.kind = SD_MOTION_PARABOLIC, .omega = 2 * M_PI / periods[p]}};
     /* relaxations of a fiftieth, a seventeenth and a third of the record */
     sd_rotation fast = driven(2441, 2, 50, periods[p], wave, 1),
-                slow = driven(2441, -2, 144, periods[p], wave, 1);
+                gradual = driven(2441, -2, 144, periods[p], wave, 1);
     sd_rotation slowest = driven(2441, 2, 800, periods[p], wave, 1);
     between(fabs(fast.omega - 3), 0, 2 * fast.error, "fast");
-    between(fabs(slow.omega - 3), 0, 2 * slow.error, "slow");
+    between(fabs(gradual.omega - 3), 0, 2 * gradual.error, "gradual");
     between(fast.error, 0, 3e-4, "error, fast");
-    between(slow.error, 0, 2e-3, "error, slow");
-    assert_true(fast.converged && slow.converged && !slowest.converged);
+    between(gradual.error, 0, 2e-3, "error, gradual");
+    assert_true(fast.converged && gradual.converged && !slowest.converged);
     between(fabs(slowest.omega - 3), 0, 2 * slowest.error, "slowest");
   }
 
