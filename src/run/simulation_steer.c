@@ -455,9 +455,10 @@ static sd_model *own_model(steering *c) {
   return c->next;
 }
 
-static void set_gravity(steering *c) {
+static sd_status set_gravity(steering *c) {
   sd_model *m = own_model(c);
-  for (size_t k = 0; k < c->n; k++) m->gravity[index_of(c, k)] = value_of(c, k, 0);
+  for (size_t k = 0; m && k < c->n; k++) m->gravity[index_of(c, k)] = value_of(c, k, 0);
+  return m ? SD_OK : SD_ERROR_IO;
 }
 
 /* Returns why this motion does not have the quantity; NULL: it has it. */
@@ -556,6 +557,7 @@ static sd_status check_constants(steering *c) {
 static sd_status set_constants(steering *c, bool *built) {
   engine *e = c->e;
   sd_model *m = own_model(c);
+  if (!m) return SD_ERROR_IO;
   *built = !c->next && !engine_lanes(e);
   if (c->row->kind == STEER_MOTION) motion_rescale(e, c->motions);
   exchange(c, m);
@@ -594,7 +596,7 @@ static sd_status change(steering *c) {
   sd_status status = SD_OK;
   if (kind == STEER_HELD) return set_held(c);
   if (kind == STEER_PLACE && c->row->first != SD_THETA) status = steer_end_contacts(e, c->changed);
-  if (kind == STEER_GRAVITY) set_gravity(c);
+  if (kind == STEER_GRAVITY) status = set_gravity(c);
   if (kind == STEER_MOTION) status = motion_values(e, &at);
   if (status == SD_OK && c->laws) status = set_constants(c, &built);
   if (status == SD_OK && kind == STEER_SIZE) e->model = c->next;
