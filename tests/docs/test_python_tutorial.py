@@ -57,9 +57,6 @@ def follow(page, write):
 
 
 def main():
-    if not LIBRARY.exists():
-        print(f"no {LIBRARY} (sanitizer builds have none): the tutorial is left out")
-        return 0
     os.environ["SLIPDISK_LIBRARY"] = str(LIBRARY)
     os.environ.setdefault("SLIPDISK_PROGRAM", str(BUILD / "slipdisk"))
     sys.path.insert(0, str(ROOT / "tools" / "python"))

@@ -5,11 +5,13 @@ import re
 import subprocess
 import unittest
 
-from package import BUILD, ROOT
+from sources import BUILD, ROOT
 
 from relations import crossing
 
 PER_FEATURE = 2 if os.environ.get("CI") == "true" else 1  # decks
+# Under sanitizers a deck takes 4 s in all ways: one in so many, other features in the first round than in the second
+SPREAD = 16 if os.environ.get("SLIPDISK_BRIEF") == "1" else 1
 
 # Read or written, or only names: nothing of the motion depends on them.
 NOT_MOTION = {"deck:title", "deck:sweep", "deck:constants", "phases:name", "materials:name", "limits:open", "limits:unstable_step", "limits:residual"}
@@ -50,9 +52,11 @@ def keys_of(deck):
 class Crossing(unittest.TestCase):
     def test_every_way_gives_the_bits_of_the_plainest_or_says_that_it_does_not_take_the_deck(self):
         count = PER_FEATURE * len(crossing.FEATURES)
-        cells, wrong = crossing.product(range(count))
+        cells, wrong = crossing.product(range(0, (2 if SPREAD > 1 else 1) * count, SPREAD))
         print(crossing.table(cells))
         self.assertEqual(wrong, [])
+        if SPREAD > 1:
+            return
         names = list(dict.fromkeys(way for _, way in cells))
         for feature in crossing.FEATURES:
             with self.subTest(feature):

@@ -1,28 +1,20 @@
 """sim.measure() and result.measure(): every value of `slipdisk measure --json`, digit for digit, of a simulation in memory, of the
 last state and of stored frames; boxes of frames."""
 import json
-import os
 import pickle
 import signal
-import sys
 
 import h5py
 import numpy as np
 
-import results_common
-from results_common import LONG, ROOT, start, wait_for
+from results_common import LONG, ROOT, Folder, start, wait_for
 from test_cell_readers import DECK as PERIODIC
 from test_cell_readers import PRESS
 from test_measure_command import BOX
 
-sys.path[:0] = [str(ROOT / "tools" / "python")]
-os.environ.setdefault("SLIPDISK_PROGRAM", str(results_common.PROGRAM))
-LIBRARY = os.path.join(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"), "libslipdisk.so")
-if not os.path.exists(LIBRARY):
-    print(f"no {LIBRARY} (sanitizer builds have none): the test of the Python package is left out")
-    sys.exit(0)
-os.environ["SLIPDISK_LIBRARY"] = LIBRARY
-import slipdisk  # noqa: E402
+import package  # noqa: F401
+
+import slipdisk
 
 INPUTS = ROOT / "inputs"
 CASES = {  # deck: its text, or a file and what shortens it
@@ -41,7 +33,7 @@ CASES = {  # deck: its text, or a file and what shortens it
 }
 
 
-class Measure(results_common.Folder):
+class Measure(Folder):
     def made(self, case):
         deck = CASES[case]
         path, overrides = deck if isinstance(deck, tuple) else (self.folder / f"{case}.cfg", {})

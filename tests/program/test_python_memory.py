@@ -95,7 +95,6 @@ def trials(folder):
         print(f"{name:12}{n:6} allocations: {counts['done']} right, {counts['raised']} MemoryError, {counts['ended']} ended")
 
 
-@unittest.skipUnless(SHIM.exists() and (BUILD / "libslipdisk.so").exists(), "sanitizers have their own allocator")
 class Memory(unittest.TestCase):
     def test_every_call(self):
         with tempfile.TemporaryDirectory(prefix="slipdisk-test-") as folder:

@@ -74,6 +74,7 @@ static sd_status renew_lists(engine *e) {
 /* Rebuilds the lists: the first thread runs renew_lists, the others help it in loops over long
  * lists. */
 static void renew_together(engine *e, const team *t) {
+  team_wait(t); /* until all threads have read the status that is written below */
   if (t->rank > 0) {
     team_help(t);
     return;
