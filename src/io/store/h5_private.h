@@ -58,10 +58,9 @@ typedef struct h5_loan {
   size_t bytes;
 } h5_loan;
 
-/* Lent datasets start in the file at multiples of H5_LOAN_ALIGNED and have at least H5_LOAN_LEAST
- * bytes, a multiple of H5_LOAN_WORD, so that no 8-byte word of the file's checksum straddles their
- * borders. */
-enum { H5_LOAN_LEAST = 64 << 10, H5_LOAN_ALIGNED = 4096, H5_LOAN_WORD = 8 };
+/* Lent datasets have at least H5_LOAN_LEAST bytes and start in the file at multiples of
+ * H5_LOAN_ALIGNED. */
+enum { H5_LOAN_LEAST = 64 << 10, H5_LOAN_ALIGNED = 4096 };
 
 /* h5_shares: the files of single ranks (shares) that belong to a file; h5_shared_set: a dataset
  * whose rows are in these files. Both are defined below. */

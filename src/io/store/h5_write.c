@@ -178,7 +178,7 @@ void h5_lend(h5_file *file, const char *path, sd_type type, int rank, const size
              const void *data) {
   size_t bytes = sd_type_size(type);
   for (int k = 0; k < rank; k++) bytes *= dims[k];
-  if (!file->borrows || bytes < H5_LOAN_LEAST || bytes % H5_LOAN_WORD != 0) {
+  if (!file->borrows || bytes < H5_LOAN_LEAST) {
     h5_put(file, path, type, rank, dims, data, false);
     return;
   }
@@ -187,7 +187,7 @@ void h5_lend(h5_file *file, const char *path, sd_type type, int rank, const size
   hid_t set = make(file, path, h5_native(type), rank, dims, LENT);
   if (set < 0) return;
   const haddr_t at = H5Dget_offset(set);
-  h5_require(file, at != HADDR_UNDEF && at % H5_LOAN_WORD == 0, path);
+  h5_require(file, at != HADDR_UNDEF, path);
   size_t k = file->n_loans++;
   for (; k > 0 && loans[k - 1].at > at; k--) loans[k] = loans[k - 1];
   loans[k] = (h5_loan){at, data, bytes};
