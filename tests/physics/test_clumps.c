@@ -367,9 +367,26 @@ static void a_packing_closes_its_budget(void **unused) {
   assert_true(steps < 20000 || (residual[1] < 1e-6 && residual[1] < 0.5 * residual[0]));
 }
 
+/* A disk that names a clump which does not exist is a disk of its own. */
+static void clumps_that_are_not_are_none(void **unused) {
+  const int names[] = {-1, 2, 1000};
+  for (size_t k = 0; k < 3; k++) {
+    sd_model *m = system_new(SD_VERLET, SD_PAPER, 1e-3, (sd_contact_law){.k_n = 1e4});
+    const uint32_t disk = system_disk(m, 9, 0, 1, 1);
+    add_dimer(m, 0, 0, 0, 0.5, 1, 1);
+    m->disks[disk].clump = names[k];
+    m->disks[disk].velocity[SD_X] = 1;
+    sd_simulation *s = system_start(m);
+    assert_int_equal(m->disks[disk].clump, 0);
+    system_advance(s, 100);
+    SYSTEM_NEAR(system_at(s, disk).x, 9.1, 1e-12, "x");
+    system_end(s);
+  }
+}
+
 RUN_TESTS(TEST(a_free_clump_keeps_its_momenta), TEST(a_collision_keeps_the_momenta),
           TEST(one_end_falls_on_a_wall), TEST(a_clump_leaves_with_its_restitution),
           TEST(a_tumbler_rocks), TEST(edges_of_a_periodic_box_are_not_felt),
           TEST(the_shape_does_not_depend_on_the_order),
           TEST(a_body_that_closes_around_the_box_is_refused), TEST(a_plate_is_dragged),
-          TEST(a_packing_closes_its_budget))
+          TEST(a_packing_closes_its_budget), TEST(clumps_that_are_not_are_none))

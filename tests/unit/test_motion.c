@@ -3,6 +3,7 @@
 #include "brief.h"
 #include "deck_runs.h"
 #include "model/model.h"
+#include "model/motions.h"
 
 #define DT 0x1p-12 /* a power of 2: step * DT is exact */
 
@@ -505,9 +506,17 @@ static void unequal_limits_drift(void **unused) {
   is_mirrored(x, mirrored);
 }
 
+/* The way of a wave in a step is that at its largest speed, but not more than from one end to the other. */
+static void strides_end_at_twice_the_amplitude(void **unused) {
+  const sd_motion q = {.kind = SD_MOTION_HARMONIC, .amplitude = 0.3, .omega = 5};
+  between(motion_stride(&q, 0.1), 0.15 - 1e-15, 0.15 + 1e-15, "short step");
+  between(motion_stride(&q, 10), 0.6, 0.6, "long step");
+}
+
 RUN_TESTS(TEST(signals_follow_their_formulas), TEST(velocity_is_the_derivative),
           TEST(tables_are_natural_splines), TEST(periodic_tables_repeat),
           TEST(angles_stay_exact_beyond_1e4_rad), TEST(phases_switch_motions),
           TEST(motions_go_on_over_phases), TEST(a_driven_wheel_pulls_itself_along),
           TEST(locks_and_forces_hold), TEST(a_floor_may_leave_its_periodic_box),
-          TEST(equal_limits_do_not_drift), TEST(unequal_limits_drift))
+          TEST(equal_limits_do_not_drift), TEST(unequal_limits_drift),
+          TEST(strides_end_at_twice_the_amplitude))
