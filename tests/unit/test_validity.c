@@ -7,6 +7,7 @@
 
 #include "deck_runs.h"
 #include "physics/contact/pairs.h"
+#include "physics/neighbours/chunks.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/neighbours/validity.h"
 #include "physics/step/step.h"
@@ -80,6 +81,7 @@ static void missing_pair(engine *e) { /* as if two near disks had not been found
 }
 /* chunks */
 static void chunk_in_between(engine *e) { e->work.chunks.begin[1]++; }
+static void chunk_too_long(engine *e) { e->work.chunks.size -= CHUNK_STEP; }
 static void chunk_without_pairs(engine *e) { e->work.chunks.pair[1] += PAIR_BLOCK; }
 static void share_too_long(engine *e) { e->work.chunks.share[1]++; }
 static void not_late(engine *e) {
@@ -138,6 +140,7 @@ static const fault in_lists[] = {
     {"other_law", other_law, 1},
     {"missing_pair", missing_pair, 1},
     {"chunk_in_between", chunk_in_between, 1},
+    {"chunk_too_long", chunk_too_long, 1},
     {"chunk_without_pairs", chunk_without_pairs, 1},
     {"share_too_long", share_too_long, 2},
     {"not_late", not_late, 2},
