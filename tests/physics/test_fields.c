@@ -342,7 +342,8 @@ static void rates_of_drag(void **unused) {
   uint32_t disk = 9;
   sd_model *m = one_disk(SD_VERLET, 1e-3, 0, 0);
   system_disk(m, 5, 0, 0.5, 4);
-  sd_model_add_field(m, &(sd_body_force){.kind = SD_FIELD_DRAG, .gamma = 3, .gamma_rotation = 0.2, .power = 1});
+  sd_model_add_field(
+      m, &(sd_body_force){.kind = SD_FIELD_DRAG, .gamma = 3, .gamma_rotation = 0.2, .power = 1});
   SYSTEM_NEAR(body_forces_drag_rate(m, &disk), 1.5, 1e-15, "drag");
   assert_int_equal(disk, 0);
   m->fields[0].gamma_rotation = 0.5;
@@ -350,10 +351,11 @@ static void rates_of_drag(void **unused) {
   sd_model_free(m);
 }
 
-RUN_TESTS(TEST(rates_of_drag), TEST(drag_slows_disks_down), TEST(a_sinking_disk_reaches_its_terminal_velocity),
-          TEST(shear_flow_carries_and_turns), TEST(a_vortex_throws_disks_out),
-          TEST(a_spring_gives_ellipses), TEST(point_gravity_gives_kepler_ellipses),
-          TEST(every_power_has_its_potential), TEST(a_free_disk_is_straight_in_the_laboratory),
-          TEST(a_pendulum_turns_with_the_sky), TEST(coriolis_does_no_work), TEST(a_bead_on_a_rail),
+RUN_TESTS(TEST(rates_of_drag), TEST(drag_slows_disks_down),
+          TEST(a_sinking_disk_reaches_its_terminal_velocity), TEST(shear_flow_carries_and_turns),
+          TEST(a_vortex_throws_disks_out), TEST(a_spring_gives_ellipses),
+          TEST(point_gravity_gives_kepler_ellipses), TEST(every_power_has_its_potential),
+          TEST(a_free_disk_is_straight_in_the_laboratory), TEST(a_pendulum_turns_with_the_sky),
+          TEST(coriolis_does_no_work), TEST(a_bead_on_a_rail),
           TEST(a_damped_oscillator_loses_a_fraction_per_half_cycle),
           TEST(damping_takes_from_gravity_and_torques))

@@ -10,7 +10,7 @@ enum { MOST = 19 };
 
 /* What differs from member to member: the k-th takes the k-th value of each key, beginning again. */
 typedef struct variety {
-  const char *deck;
+  const char *deck;         /* its file, or its text */
   const char *common[8];    /* up to the first NULL */
   const char *key[4];       /* likewise */
   const char *value[4][12]; /* likewise */
@@ -30,7 +30,10 @@ static sd_model *model_of(const variety *v, size_t k) {
   }
   sd_messages *m = sd_messages_new();
   sd_model *model = NULL;
-  if (sd_deck_load(path, n, overrides, &model, m) != SD_OK) sd_messages_print(m, stderr);
+  const sd_status status = strchr(v->deck, '=')
+                               ? sd_deck_load_text(v->deck, "deck", n, overrides, &model, m)
+                               : sd_deck_load(path, n, overrides, &model, m);
+  if (status != SD_OK) sd_messages_print(m, stderr);
   sd_messages_free(m);
   assert_non_null(model);
   return model;
@@ -135,4 +138,20 @@ static void not_alike(void **unused) {
   same(&ends, 5, odd_pieces);
 }
 
-RUN_TESTS(TEST(one_fails), TEST(not_alike))
+/* Motions of one coordinate add up: one that is steady, and two waves. */
+static void motions_add_up(void **unused) {
+#define MOTION "{ disk = \"d\"; coordinate = \"theta\"; type = "
+  static const variety v = {
+      .deck = "dt = 1e-4; steps = 1500; gravity = { g = 10; };\n"
+              "materials = ({ name = \"m\"; k_n = 1e4; k_t = 1e4; mu = 0.5; gamma_n = 1; });\n"
+              "disks = ({ x = 0.1; y = 1.99; radius = 1; mass = 1; },\n"
+              "         { name = \"d\"; x = 0; y = 0; radius = 1; mass = 1; fixed = true; });\n"
+              "motions = (" MOTION "\"velocity\"; velocity = 3; },\n" MOTION
+              "\"harmonic\"; amplitude = 0.1; omega = 50; },\n" MOTION
+              "\"parabolic\"; amplitude = 0.1; omega = 70; });",
+      .key = {"motions[0].velocity", "motions[1].omega"},
+      .value = {{"3", "-2", "0.1"}, {"50", "30"}}};
+  assert_int_equal(same(&v, 5, one_piece), ensemble_width() < 5 ? ensemble_width() : 5);
+}
+
+RUN_TESTS(TEST(one_fails), TEST(not_alike), TEST(motions_add_up))
