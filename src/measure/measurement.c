@@ -113,9 +113,8 @@ OBSERVABLE_GET(overlap_max, measurement, at->s.n_contacts > 0 ? at->s.overlap_ma
 /* Returns the fraction of the contacts with friction that slide; NAN if the contacts were not
  * stored but recomputed, as their tangential force is then unknown. */
 OBSERVABLE_GET(at_limit, measurement,
-               at->pairs.mobilised.n > 0 && !at->c.recomputed
-                   ? (double)at->pairs.n_limit / (double)at->pairs.mobilised.n
-                   : NAN)
+               at->pairs.mobilised.n > 0 ? (double)at->pairs.n_limit / (double)at->pairs.mobilised.n
+                                         : NAN)
 OBSERVABLE_GET(region_x, measurement, k == 0 ? at->region.lower[0] : at->region.upper[0])
 OBSERVABLE_GET(region_y, measurement, k == 0 ? at->region.lower[1] : at->region.upper[1])
 OBSERVABLE_GET(region_radius, measurement,
