@@ -22,7 +22,8 @@ LANE_INLINE void LANE(rolled)(LANE(real) ra, LANE(real) rb, LANE(real) arc_a, LA
 
 /* Advances the rolling spring and its dashpot by one step: updates m->rho_ref, m->rho and m->roll,
  * sets out->rolling to the loss by rolling, and adds the loss of the dashpot to out->viscous.
- * closed: lanes whose contact is closed after the step; limit: the force F above. */
+ * closed: lanes whose contact is closed after the step; limit: the force F above; m->overlap: that
+ * after the step. */
 LANE_INLINE void LANE(rolling_history)(const LANE(pair_geometry) * g,
                                        const LANE(contact_constants) * k, LANE(mask) closed,
                                        LANE(real) limit, LANE(contact_memory) * m,
@@ -33,7 +34,8 @@ LANE_INLINE void LANE(rolling_history)(const LANE(pair_geometry) * g,
   LANE(real) cap = k->cap_r * limit;
   LANE(real) capped = LANE(max)(LANE(min)(rho, cap), -cap), slip = rho - capped;
   LANE(real) both = LANE(max)(LANE(min)(capped + k->dashpot_ratio_r * g->rolls, cap), -cap);
-  LANE(real) free = LANE(mask_zero)(closed, k->drag_r * g->rolls);
+  const LANE(mask) deep = LANE(greater)(m->overlap, LANE(splat)(0.0)); /* not across a gap */
+  LANE(real) free = LANE(mask_zero)(deep, k->drag_r * g->rolls);
   LANE(real) drag = k->k_r * (both - capped) + free, drag_before = -m->roll - k->k_r * m->rho;
   out->rolling = half * k->k_r * (m->rho + capped) * slip;
   out->viscous = out->viscous + half * (drag_before + drag) * moved;
