@@ -28,6 +28,7 @@ static law drawn_law(uint64_t *seed) {
     l.k_r = drawn(seed, 5e2, 5e3);
     if (heads(seed)) l.gamma_r = drawn(seed, 0.1, 1);
   }
+  if (heads(seed)) l.drag_r = drawn(seed, 0.1, 1);
   const double what = next_uniform(seed);
   if (what < 0.67) {
     l.cohesion = what < 0.33 ? SD_COHESION_CONSTANT : SD_COHESION_BRIDGE;
