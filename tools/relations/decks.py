@@ -527,12 +527,15 @@ def attempt(seed, number, only, shape):
     b = Builder(random.Random(f"deck-{seed}-{number}" if number else f"deck-{seed}"), shape=shape)
     has, allowed = choose_added(b.random, only)
     deck = plain_deck(b, seed, allowed)
+    names = [disk["name"] for disk in deck["disks"]]
     for dimension in FEATURES:
         if dimension not in has:
             continue
         if dimension not in ("phases", "measure") and len(deck["phases"]) > 1 and "none" in only[dimension]:
             has[dimension] = "none"
         FEATURES[dimension][has[dimension]](b.random, deck)
+    if not deck["disks"] and any(f"'{name}'" in repr(deck) for name in names):  # others have come in their place
+        raise Unsuitable
     calls = deck.pop("calls", [])
     return Deck({**b.has, **has}, deck, b.steps, calls)
 
