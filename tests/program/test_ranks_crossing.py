@@ -2,7 +2,7 @@
 say so. More ranks and features than here meet as threads of one process in test_crossing."""
 import unittest
 
-from package import ROOT  # noqa: F401  finds the tools
+from sources import ROOT  # noqa: F401  finds the tools
 from ranks_common import run
 from results_common import Folder, assert_same
 
