@@ -110,7 +110,8 @@ static void one_end_falls_on_a_wall(void **unused) {
   }
 }
 
-/* The mass in the damping of a restitution is that of the clump: a dimer that falls end-on leaves at e v, as a disk beside it does. */
+/* The mass in the damping of a restitution is that of the clump: a dimer that falls end-on leaves
+ * at e v, as a disk beside it does. */
 static void a_clump_leaves_with_its_restitution(void **unused) {
   const double d = 0.8, radius = 1, mass = 0.5, v = 1, k = 1e6, restitution = 0.5;
   const double duration = M_PI * sqrt(2 * mass / k);

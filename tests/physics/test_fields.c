@@ -337,7 +337,8 @@ static void damping_takes_from_gravity_and_torques(void **unused) {
   }
 }
 
-/* The rate of drag is gamma over the mass, or gamma_rotation over the moment of inertia, of the disk that is slowed down most. */
+/* The rate of drag is gamma over the mass, or gamma_rotation over the moment of inertia, of the
+ * disk that is slowed down most. */
 static void rates_of_drag(void **unused) {
   uint32_t disk = 9;
   sd_model *m = one_disk(SD_VERLET, 1e-3, 0, 0);

@@ -248,7 +248,8 @@ static const char box[] =
     "packings = ( { type = \"square\"; count = 64; spacing = 0.12; jitter = 0.3; radius = 0.05; "
     "density = 1.0; } );\n";
 
-/* To hold what is held is the same as to release a disk that was never held, also while a contact swings. */
+/* To hold what is held is the same as to release a disk that was never held, also while a contact
+ * swings. */
 static void test_held_twice(void **unused) {
   FOR_INTEGRATORS for (int held = 0; held < 2; held++) {
     char deck[1200];

@@ -529,7 +529,8 @@ static void walls_that_cannot_be_are_refused(void **unused) {
   }
 }
 
-/* Gap between a disk and the nearest image of a segment of length 6 in a box of 10, which lies level or stands upright. */
+/* Gap between a disk and the nearest image of a segment of length 6 in a box of 10, which lies
+ * level or stands upright. */
 static void gaps_are_to_the_nearest_image(void **unused) {
   static const struct {
     double across, beside, gap; /* of the centre of a disk of radius 0.5 */

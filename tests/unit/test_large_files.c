@@ -281,8 +281,8 @@ static void spoil_draft(const file_draft *draft, const double *row) {
   free(bytes);
 }
 
-/* Rows longer than a chunk are copied as they are stored, packed or not, from several parts, beside rows that are
- * put as values; the finished file is compared with what was copied. */
+/* Rows longer than a chunk are copied as they are stored, packed or not, from several parts,
+ * beside rows that are put as values; the finished file is compared with what was copied. */
 static void test_copied_rows(void **unused) {
   for (int k = 1; k < 4; k++)
     for (int way = 0; way < 4; way++) { /* noise; smooth; the first row put as values; spoilt */

@@ -217,8 +217,8 @@ static void transients_are_found(void **unused) {
   assert_false(sd_mean_of(x, N, true).converged);
 }
 
-/* x = k under an error that dwarfs the scatter: q1 ... q4 are n/4 apart, and the difference of the first from the mean of the others
- * has the variance (4 + 4/3) error^2. Rounding is no drift. */
+/* x = k under an error that dwarfs the scatter: q1 ... q4 are n/4 apart, and the difference of the
+ * first from the mean of the others has the variance (4 + 4/3) error^2. Rounding is no drift. */
 static void drifts_are_measured_in_their_error(void **unused) {
   for (size_t k = 0; k < N; k++) x[k] = (double)k;
   drift seen = drift_of(x, N, 1e6);

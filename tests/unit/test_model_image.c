@@ -1,5 +1,5 @@
-/* test_model_image.c: the bytes of a saved model are those of its members: what lies between them in memory does not
- * reach them, and every member does. */
+/* test_model_image.c: the bytes of a saved model are those of its members: what lies between them
+ * in memory does not reach them, and every member does. */
 #include "unit.h"
 #include "model/model.h"
 

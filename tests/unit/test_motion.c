@@ -506,7 +506,8 @@ static void unequal_limits_drift(void **unused) {
   is_mirrored(x, mirrored);
 }
 
-/* The way of a wave in a step is that at its largest speed, but not more than from one end to the other. */
+/* The way of a wave in a step is that at its largest speed, but not more than from one end to the
+ * other. */
 static void strides_end_at_twice_the_amplitude(void **unused) {
   const sd_motion q = {.kind = SD_MOTION_HARMONIC, .amplitude = 0.3, .omega = 5};
   between(motion_stride(&q, 0.1), 0.15 - 1e-15, 0.15 + 1e-15, "short step");

@@ -162,8 +162,8 @@ sd_status h5_read_mark(int fd, const char *path, h5_mark *mark, sd_messages *mes
 sd_status h5_check_whole(int fd, const char *path, h5_mark *mark, sd_messages *messages);
 /* Returns true if these bytes are a file with a seal that fits them. */
 bool h5_seal_fits(const void *data, size_t size);
-/* Computes the hash (hash_words) of all attributes and of the datasets of up to 64 KiB, in alphabetical
- * order. */
+/* Computes the hash (hash_words) of all attributes and of the datasets of up to 64 KiB, in
+ * alphabetical order. */
 sd_status h5_small_sum(const h5_file *file, uint64_t *sum, sd_messages *messages);
 /* Size in bytes of a seal (checksum at the end of a file). */
 enum { H5_SEAL_BYTES = 24 };
