@@ -39,6 +39,8 @@ typedef struct sd_contact_law {
   /* true: damping may make the normal force of overlapping bodies attractive (limit_damping =
    * false) */
   bool damping_pulls;
+  /* true: a bond acts in place of friction and rolling friction of its contact while it lasts */
+  bool bond_alone;
   double mu_kinetic; /* coefficient of friction while a contact slides, <= mu; 0: equal to mu */
   sd_tangential_law tangential; /* kind of tangential spring */
   double gamma_t;               /* tangential viscosity, force time/length, >= 0 */
@@ -57,6 +59,23 @@ typedef struct sd_contact_law {
   /* Mindlin with E_star: Poisson's ratio nu, > 0 and at most 0.5, in place of k_t, which is then
    * 0 or k_n 3 (1 - nu)/(2 - nu); it is multiplied by sqrt(R_eff), too. 0: k_t is the stiffness */
   double poisson;
+  /* Bonds that join two surfaces (docs/laws.md, Bonds). Stiffnesses, force/length, for the changes
+   * of gap, lambda and rho since the bond was made, >= 0; all 0: there are no bonds of this law */
+  double bond_k_n, bond_k_t, bond_k_r;
+  /* In place of the stiffnesses, a beam of length R_a + R_b: Young's modulus, force/length^2,
+   * Poisson's ratio and width, a length. The width is needed for strengths that are stresses. */
+  double bond_E, bond_poisson, bond_width;
+  double bond_gamma_n, bond_gamma_t, bond_gamma_r; /* viscosities, force time/length, >= 0 */
+  double bond_gap; /* largest gap of the surfaces when a bond is made, >= 0 */
+  /* Strength, >= 0, 0: no limit. As stresses in the beam, force/length^2: tensile strength, cohesion
+   * and coefficient of internal friction; or as forces, and a bending moment, force length, whose
+   * loads are added up. */
+  double bond_tension, bond_cohesion, bond_friction;
+  double bond_max_tension, bond_max_shear, bond_max_bending;
+  double bond_extension; /* length by which a bond may become longer before it breaks; 0: any */
+  /* Weibull modulus of the strengths, > 0; 0: all bonds have the strength above, which is else the
+   * one that a share 1/e of the bonds exceeds */
+  double bond_weibull;
 } sd_contact_law;
 
 #ifdef __cplusplus

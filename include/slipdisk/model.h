@@ -270,6 +270,20 @@ typedef struct sd_cell {
   bool boundary;
 } sd_cell;
 
+/* Bonds that a phase makes between surfaces whose gap is at most bond_gap of their law. */
+typedef struct sd_bonding {
+  bool asked;  /* true: bonds are made at the beginning of the phase */
+  bool sinter; /* true: at each contact that begins in the phase, too */
+  bool later;  /* true: only at these */
+  /* numbers of the bodies between which bonds are made (SD_WALL(w) for walls); none: all */
+  size_t n_between;
+  const uint32_t *between;
+  /* pairs of bodies to be bonded when the phase begins, sorted, the lower number of each pair first;
+   * none: all pairs of the bodies above */
+  size_t n_pairs;
+  const uint32_t (*pairs)[2];
+} sd_bonding;
+
 /* A phase of a run: a number of steps with the same motions, fields and outputs. */
 typedef struct sd_phase {
   const char *name; /* name of the phase in messages and results; NULL: none */
@@ -295,6 +309,7 @@ typedef struct sd_phase {
    * then. A disk that is held loses its velocity; one that is released keeps it. */
   size_t n_hold, n_release;
   const uint32_t *hold, *release; /* [n_hold], [n_release] */
+  sd_bonding bond;
 } sd_phase;
 
 /* Action if the centre of a free disk leaves the bounds of the model: report it, end the run, or

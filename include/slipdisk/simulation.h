@@ -221,8 +221,9 @@ SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body
  * energy.
  *
  *   residual = kinetic_translation + kinetic_rotation + elastic_normal + elastic_tangential
- *              + elastic_rolling + cohesion + external - start - (work + nonconservative_work)
- *              + viscous + friction + rolling + bridge + opening + drag + damping + relaxed
+ *              + elastic_rolling + elastic_bond + cohesion + external - start - (work + nonconservative_work)
+ *              + viscous + friction + rolling + bridge + opening + broken_tension + broken_shear
+ *              + broken_bending + drag + damping + relaxed
  *
  * is the error of the budget, ideally 0. */
 typedef struct sd_energy {
@@ -230,8 +231,9 @@ typedef struct sd_energy {
   double kinetic_translation, kinetic_rotation;
   /* energy stored in the springs of contacts */
   double elastic_normal, elastic_tangential, elastic_rolling;
-  double cohesion; /* potential energy of attractions, <= 0; 0 beyond their range */
-  double external; /* potential energy in gravity and constant body forces */
+  double elastic_bond; /* energy stored in bonds */
+  double cohesion;     /* potential energy of attractions, <= 0; 0 beyond their range */
+  double external;     /* potential energy in gravity and constant body forces */
   /* Sum of the energies listed above at step 0, plus those of disks added or released and minus
    * those of disks removed or held since then */
   double start;
@@ -243,6 +245,8 @@ typedef struct sd_energy {
   double viscous, friction; /* energy lost to dashpots of contacts, and to sliding */
   /* energy lost to rolling, to bridges that form, to contacts that open */
   double rolling, bridge, opening;
+  /* energy of bonds that broke by tension, by shear and by bending */
+  double broken_tension, broken_shear, broken_bending;
   double drag, damping; /* energy lost to viscous drag of fields, and to non-viscous damping */
   double relaxed;       /* kinetic energy taken out by the relaxer (key relax of a phase) */
   double residual;      /* error of the budget, by the formula above */

@@ -91,6 +91,7 @@ typedef enum sd_extent {
   /* One element per free disk, in the order of slots, if a law needs the columns
    * SD_CONTACT_MORE, else none */
   SD_PER_LAW_FREE,
+  SD_PER_BREAK,        /* one element per bond that has broken, in the order of steps */
   SD_PER_AVERAGE,      /* one element per average of the series (key "measure.averages") */
   SD_PER_AVERAGE_FORM, /* two elements per average, for its numerator and its denominator */
   SD_PER_AVERAGE_BIN,  /* SD_BINS elements for each numerator and denominator of an average */

@@ -59,3 +59,19 @@ sd_status graph_rattlers(size_t n_nodes, size_t n_edges, const graph_edge *edges
   free(l.stack);
   return SD_OK;
 }
+
+/* Returns the root of a node, and shortens the way to it. */
+static uint32_t root_of(uint32_t *parent, uint32_t node) {
+  while (parent[node] != node) node = parent[node] = parent[parent[node]];
+  return node;
+}
+
+void graph_clusters(size_t n_nodes, size_t n_edges, const graph_edge *edges, uint32_t *root) {
+  for (uint32_t i = 0; i < n_nodes; i++) root[i] = i;
+  for (size_t k = 0; k < n_edges; k++) {
+    if (edges[k].a == GRAPH_FIXED || edges[k].b == GRAPH_FIXED) continue;
+    const uint32_t a = root_of(root, edges[k].a), b = root_of(root, edges[k].b);
+    root[a < b ? b : a] = a < b ? a : b;
+  }
+  for (uint32_t i = 0; i < n_nodes; i++) root[i] = root_of(root, i);
+}

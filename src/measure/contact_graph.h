@@ -24,4 +24,8 @@ typedef struct graph_edge {
 sd_status graph_rattlers(size_t n_nodes, size_t n_edges, const graph_edge *edges, int least,
                          int32_t *left, bool *rattler);
 
+/* Finds clusters of nodes that edges connect; fixed bodies connect nothing. root: [n_nodes] the
+ * lowest node of the cluster of each node. */
+void graph_clusters(size_t n_nodes, size_t n_edges, const graph_edge *edges, uint32_t *root);
+
 #endif

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "measure/contact_graph.h"
 #include "measure/observable.h"
@@ -18,7 +19,7 @@ static const size_t NONE = SIZE_MAX;
 /* Layout of resultants.sums: first WHOLE sums over all contacts and disks, with these indices
  * (those of the contact stress, xx ... yy, are TENSOR to TENSOR + 3); then ROW sums (FORCE_X,
  * ...) for each wall, each group and each chosen disk. */
-enum { CONTACTS, SLIDING, OUTSIDE, VIRIAL, SQUARES, TENSOR, WHOLE = TENSOR + 4 };
+enum { CONTACTS, SLIDING, BONDS, OUTSIDE, VIRIAL, SQUARES, TENSOR, WHOLE = TENSOR + 4 };
 enum { FORCE_X, FORCE_Y, TORQUE, NORMAL, TANGENTIAL, ROW_CONTACTS, ROW_SLIDING, ROW };
 
 /* A state, or the part of it that one rank has. */
@@ -154,15 +155,16 @@ static double virial_of(const part *p, size_t c) {
 }
 
 /* Adds the sums over all contacts and disks of this rank. A pair held by attraction alone (no
- * overlap) does not count as a contact. */
+ * overlap) or a bond does not count as a contact. */
 static void add_whole(const resultants *r, const part *p) {
   const sd_state *s = p->state;
   const bool compresses = series_compresses(p->model);
-  int64_t contacts = 0, sliding = 0;
+  int64_t contacts = 0, sliding = 0, bonds = 0;
   for (size_t c = 0; c < s->n_contacts; c++) {
     const bool touches = s->contact_overlap[c] > 0.0;
     contacts += touches || !s->law_columns;
     sliding += touches && s->contact_slide[c] != 0;
+    bonds += s->law_columns && s->contact_bond[c] > 0.0;
     if (compresses) exact_sum_add(&r->sums[VIRIAL], virial_of(p, c));
   }
   for (size_t i = 0; compresses && i < s->n_free; i++)
@@ -171,6 +173,7 @@ static void add_whole(const resultants *r, const part *p) {
     exact_sum_add(&r->sums[VIRIAL], compress_inner(p->model, s, i));
   exact_sum_add(&r->sums[CONTACTS], (double)contacts);
   exact_sum_add(&r->sums[SLIDING], (double)sliding);
+  exact_sum_add(&r->sums[BONDS], (double)bonds);
   exact_sum_add(&r->sums[OUTSIDE], (double)outside_count(s));
 }
 
@@ -385,6 +388,51 @@ static sd_status take_rattlers(resultants *r, const part *p) {
   return status;
 }
 
+/* --- fragments -------------------------------------------------------------------------------- */
+
+/* A free disk, as one rank sends it to all. */
+typedef struct massive {
+  uint32_t disk;
+  double mass;
+} massive;
+
+/* Computes number and largest mass of the bodies of bonded disks. Collective. */
+static sd_status take_fragments(resultants *r, const part *p) {
+  const sd_state *s = p->state;
+  const size_t n_nodes = p->model->n_disks;
+  size_t n_edges = 0, n_disks = 0;
+  graph_edge *own = memory_new(s->n_contacts, sizeof *own);
+  massive *mine = memory_new(s->n_free, sizeof *mine);
+  for (size_t k = 0; s->law_columns && k < s->n_contacts; k++)
+    if (s->contact_bond[k] > 0.0)
+      own[n_edges++] = (graph_edge){node_of(p, s->contact_a[k]), node_of(p, s->contact_b[k])};
+  for (size_t i = 0; i < s->n_free; i++)
+    if (body_in_play(s, i)) mine[n_disks++] = (massive){s->id[i], s->mass[i]};
+  graph_edge *edges = gather(p->comm, own, n_edges, sizeof *own, &n_edges);
+  massive *disks = gather(p->comm, mine, n_disks, sizeof *mine, &n_disks);
+  uint32_t *root = memory_new(n_nodes, sizeof *root);
+  exact_sum *mass = memory_new(n_disks, sizeof *mass);
+  uint32_t *place = memory_new(n_nodes, sizeof *place); /* 1 + index of the sum of this root */
+  graph_clusters(n_nodes, n_edges, edges, root);
+  r->fragments = 0;
+  r->largest_fragment = 0.0;
+  for (size_t k = 0; k < n_disks; k++) {
+    const uint32_t of = root[node_of_disk(p->model, disks[k].disk)];
+    if (place[of] == 0) place[of] = (uint32_t)++r->fragments;
+    exact_sum_add(&mass[place[of] - 1], disks[k].mass);
+  }
+  for (int64_t k = 0; k < r->fragments; k++)
+    r->largest_fragment = math_max(r->largest_fragment, exact_sum_value(&mass[k]));
+  free(own);
+  free(mine);
+  free(edges);
+  free(disks);
+  free(root);
+  free(mass);
+  free(place);
+  return SD_OK;
+}
+
 /* --- forces of contacts ----------------------------------------------------------------------- */
 
 /* Adds the forces of all contacts to the sums of the contact stress and of the groups. centre:
@@ -451,6 +499,7 @@ static void round_all(resultants *r, const part *p) {
     r->stress[k] = exact_sum_value(&r->sums[TENSOR + k]) / region_area(&p->region);
   r->contacts = (int64_t)exact_sum_value(&r->sums[CONTACTS]);
   r->sliding = (int64_t)exact_sum_value(&r->sums[SLIDING]);
+  r->bonds = (int64_t)exact_sum_value(&r->sums[BONDS]);
   r->outside = (int64_t)exact_sum_value(&r->sums[OUTSIDE]);
   r->pressure = exact_sum_value(&r->sums[VIRIAL]) / (2.0 * area);
   r->fraction = M_PI * exact_sum_value(&r->sums[SQUARES]) / area;
@@ -475,6 +524,7 @@ sd_status resultants_compute(resultants *r, const sd_model *m, const sd_state *s
   if (m->measure_groups || m->measure_box || m->measure_stress || m->measure_rattlers)
     status = take_geometry(r, &p, messages);
   add_up(&p, r->sums, r->n_sums);
+  if (status == SD_OK && m->measure_fragments) status = take_fragments(r, &p);
   if (status == SD_OK) round_all(r, &p);
   return status;
 }

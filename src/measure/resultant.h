@@ -39,6 +39,10 @@ typedef struct resultants {
    * others (contact_graph.h) */
   int64_t rattlers;
   double z_backbone;
+  int64_t bonds;
+  /* bodies of bonded free disks, single disks and clumps too, and the mass of the heaviest */
+  int64_t fragments;
+  double largest_fragment;
   struct resultant_disk *chosen; /* disks of the model's contact_disks, sorted by number */
   exact_sum *sums; /* [n_sums] exact sums, from which the other members are computed */
   size_t n_sums;

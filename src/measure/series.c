@@ -5,6 +5,7 @@
 #include "measure/observable.h"
 #include "measure/stress.h"
 #include "model/cell.h"
+#include "model/laws.h"
 
 /* --- energies --------------------------------------------------------------------------------- */
 
@@ -22,6 +23,7 @@ static const observable energies[] = {
     ENERGY(elastic_normal, "elastic energy of the normal springs", NULL),
     ENERGY(elastic_tangential, "elastic energy of the tangential springs", NULL),
     ENERGY(elastic_rolling, "elastic energy of the rolling springs", NULL),
+    ENERGY(elastic_bond, "elastic energy of the bonds", NULL),
     ENERGY(cohesion, "energy of attraction between bodies, 0 where it ends", NULL),
     ENERGY(external, "potential energy of gravity and constant body forces", NULL),
     ENERGY(start, "sum of the energies above at step 0, and what disks brought or took along since",
@@ -39,6 +41,9 @@ static const observable energies[] = {
     ENERGY(rolling, "energy lost to rolling friction since step 0", NULL),
     ENERGY(bridge, "energy lost when capillary bridges formed since step 0", NULL),
     ENERGY(opening, "energy left in contacts that opened since step 0", NULL),
+    ENERGY(broken_tension, "elastic energy of bonds that broke by tension since step 0", NULL),
+    ENERGY(broken_shear, "of those that broke by shear", NULL),
+    ENERGY(broken_bending, "of those that broke by bending", NULL),
     ENERGY(drag, "energy lost to viscous drag of fields since step 0", NULL),
     ENERGY(damping, "energy lost to non-viscous damping since step 0", NULL),
     ENERGY(relaxed, "energy taken out by the relaxer since step 0", NULL),
@@ -75,6 +80,10 @@ OBSERVABLE_GET(width, moment, at->sums->width)
 OBSERVABLE_GET(height, moment, at->sums->height)
 OBSERVABLE_GET(rattlers, moment, (double)at->sums->rattlers)
 OBSERVABLE_GET(z_backbone, moment, at->sums->z_backbone)
+OBSERVABLE_GET(bonds, moment, (double)at->sums->bonds)
+OBSERVABLE_GET(broken_bonds, moment, (double)at->state->n_breaks)
+OBSERVABLE_GET(fragments, moment, (double)at->sums->fragments)
+OBSERVABLE_GET(largest_fragment, moment, at->sums->largest_fragment)
 OBSERVABLE_GET(stress_xx, moment, at->sums->stress[STRESS_XX])
 OBSERVABLE_GET(stress_xy, moment, at->sums->stress[STRESS_XY])
 OBSERVABLE_GET(stress_yx, moment, at->sums->stress[STRESS_YX])
@@ -119,6 +128,8 @@ OBSERVABLE_GET(rate_xy, moment, cell_rate(at, SD_CELL_XY))
 static bool asks_box(const sd_model *m) { return m->measure_box; }
 static bool asks_stress(const sd_model *m) { return m->measure_stress; }
 static bool asks_rattlers(const sd_model *m) { return m->measure_rattlers; }
+static bool has_bonds(const sd_model *m) { return (laws_features(m) & LAW_BOND) != 0; }
+static bool asks_fragments(const sd_model *m) { return m->measure_fragments; }
 static bool asks_walls(const sd_model *m) { return m->measure_walls && m->n_walls > 0; }
 static bool asks_groups(const sd_model *m) { return m->measure_groups && m->n_groups > 0; }
 static bool asks_contacts(const sd_model *m) { return m->n_contact_disks > 0; }
@@ -213,6 +224,13 @@ static const observable others[] = {
            OBSERVABLE_I64, 1, rattlers, asks_rattlers),
     SERIES("z_backbone", "1", "mean number of load-bearing contacts of the others", OBSERVABLE_F64,
            1, z_backbone, asks_rattlers),
+    SERIES("bonds", "1", "bonds (with laws that have bonds)", OBSERVABLE_I64, 1, bonds, has_bonds),
+    SERIES("broken_bonds", "1", "bonds that have broken since step 0 (likewise)", OBSERVABLE_I64, 1,
+           broken_bonds, has_bonds),
+    SERIES("fragments", "1", "bodies of bonded disks, single disks too (measure.fragments)",
+           OBSERVABLE_I64, 1, fragments, asks_fragments),
+    SERIES("largest_fragment", "mass", "mass of the heaviest of them", OBSERVABLE_F64, 1,
+           largest_fragment, asks_fragments),
     STRESS(stress_xx,
            "stress of the contacts in the region, compression positive (measure.stress)"),
     STRESS(stress_xy, "stress of the contacts"),
@@ -311,6 +329,11 @@ OBSERVABLE_GET(contact_sliding, moment_contact, at->state->contact_slide[at->con
 OBSERVABLE_GET(contact_tau, moment_contact,
                configuration_tau(at->model, at->state, at->slots, at->contact))
 
+OBSERVABLE_GET(contact_bond, moment_contact, at->state->contact_bond[at->contact])
+OBSERVABLE_GET(contact_bond_pull, moment_contact, at->state->contact_bond_pull[at->contact])
+OBSERVABLE_GET(contact_bond_shear, moment_contact, at->state->contact_bond_shear[at->contact])
+OBSERVABLE_GET(contact_bond_bend, moment_contact, at->state->contact_bond_bend[at->contact])
+
 static const observable contact_rows[] = {
     SERIES("a", "1", "body number of the disk", OBSERVABLE_U32, 1, contact_a, NULL),
     SERIES("b", "1", "body number of the partner, disk or wall", OBSERVABLE_U32, 1, contact_b,
@@ -326,6 +349,14 @@ static const observable contact_rows[] = {
            contact_zeta, NULL),
     SERIES("sliding", "1", "0 stuck, +1/-1 sliding with that sign of tau", OBSERVABLE_I32, 1,
            contact_sliding, NULL),
+    SERIES("bond", "1", "0 no bond, else its strength over that of its law (laws with bonds)",
+           OBSERVABLE_F64, 1, contact_bond, has_bonds),
+    SERIES("bond_pull", "force", "tension in the bond", OBSERVABLE_F64, 1, contact_bond_pull,
+           has_bonds),
+    SERIES("bond_shear", "force", "shear force in the bond, as tau has the opposite of it",
+           OBSERVABLE_F64, 1, contact_bond_shear, has_bonds),
+    SERIES("bond_bend", "force", "moment in the bond over R_eff", OBSERVABLE_F64, 1,
+           contact_bond_bend, has_bonds),
 };
 const observable_list contact_observables =
     OBSERVABLES("contacts", "rows of contact tables, in /contacts", contact_rows);

@@ -80,6 +80,8 @@ static const struct owned {
              SWITCHES(fields, n_fields),
              ARRAY(phases, sd_phase, hold, n_hold),
              ARRAY(phases, sd_phase, release, n_release),
+             ARRAY(phases, sd_phase, bond.between, bond.n_between),
+             ARRAY(phases, sd_phase, bond.pairs, bond.n_pairs),
              NAME(averages, sd_average_watch),
              TEXT(averages, offsetof(sd_average_watch, text))};
 enum { OWNED = sizeof owned / sizeof *owned };
@@ -108,7 +110,7 @@ static const struct gap {
   size_t start, end; /* within an element */
   size_t times;      /* number of such gaps, each a term of an average after the one before */
 } gaps[] = {GAP(laws, sd_contact_law, normal, restitution),
-            GAP(laws, sd_contact_law, damping_pulls, mu_kinetic),
+            GAP(laws, sd_contact_law, bond_alone, mu_kinetic),
             GAP(laws, sd_contact_law, tangential, gamma_t),
             GAP(laws, sd_contact_law, cohesion, pull_off),
             GAP(disks, sd_disk, waiting, clump),
@@ -126,6 +128,7 @@ static const struct gap {
             GAP(phases, sd_phase, cell.asked, cell.rate),
             GAP(phases, sd_phase, cell.controlled, cell.stress),
             GAP(phases, sd_phase, cell.boundary, n_hold),
+            GAP(phases, sd_phase, bond.later, bond.n_between),
             GAP(tiles.walls, sd_tile_wall, known, wall),
             END(tiles.walls, sd_tile_wall, ring),
             TERMS(0),

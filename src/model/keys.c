@@ -128,6 +128,7 @@ static const deck_key phase_keys[] = {
      SETS(sd_phase, relax)},
     {"compress", GROUP, "-", NULL, "shrink the periodic box or container with its contents"},
     {"cell", GROUP, "-", NULL, "shear or stretch the periodic box at given rates or stresses"},
+    {"bond", GROUP, "-", NULL, "bond surfaces that are near each other"},
     {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
      "steps between rows of the series; 0: none", SETS(sd_phase, series_every)},
     {"frames", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(as in output)", NULL,
@@ -192,6 +193,22 @@ TABLE(deck_cell, "phases.cell", true,
       "without either it does not change.",
       cell_keys);
 
+static const deck_key bond_keys[] = {
+    {"disk", BODIES, "-", NULL, "disks between which bonds are made; nothing named: all bodies"},
+    {"group", NAMES, "-", NULL, "groups of disks"},
+    {"wall", BODIES, "-", NULL, "walls"},
+    {"file", TEXT, "-", NULL,
+     "CSV file with the columns a and b: numbers of two disks per row, in place of the keys above"},
+    {"sinter", BOOL, "false", NULL, "bond each contact that begins in the phase, too",
+     SETS(sd_bonding, sinter)},
+    {"begin", BOOL, "true", NULL, "bond pairs at the beginning of the phase",
+     SETS_OFF(sd_bonding, later)},
+};
+TABLE(deck_bond, "phases.bond", true,
+      "Bonds all pairs of surfaces whose gap is at most `bond_gap` of their law, see "
+      "[bonds](laws.md#bonds).",
+      bond_keys);
+
 static const deck_key output_keys[] = {
     {"series", INTEGER(DECK_NOT_NEGATIVE, "steps"), "(a thousandth of each phase)", NULL,
      "steps between rows of the series; 0: none"},
@@ -227,6 +244,8 @@ static const deck_key measure_keys[] = {
      SETS(sd_model, measure_stress)},
     {"rattlers", BOOL, "-", NULL, "series: rattlers, and coordination of the other disks",
      SETS(sd_model, measure_rattlers)},
+    {"fragments", BOOL, "-", NULL, "series: number and largest mass of bodies of bonded disks",
+     SETS(sd_model, measure_fragments)},
 };
 TABLE(deck_measure, "measure", true,
       "Means are taken in phases that measure, series in all phases.", measure_keys);

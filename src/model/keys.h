@@ -93,7 +93,8 @@ typedef struct deck_table {
 
 /* Tables of deck keys that set members of the model. */
 extern const deck_table deck_top, deck_gravity, deck_box, deck_bounds, deck_limits, deck_phases,
-    deck_settle, deck_compress, deck_cell, deck_output, deck_measure, deck_sliding, deck_until;
+    deck_settle, deck_compress, deck_cell, deck_bond, deck_output, deck_measure, deck_sliding,
+    deck_until;
 
 /* --- macros for rows: {name, type, default, words, meaning, member} --------------------------- */
 

@@ -24,6 +24,11 @@ static inline bool law_is_constant(const sd_contact_law *l) {
   return l->cohesion == SD_COHESION_CONSTANT;
 }
 
+/* Section modulus of a bond per unit depth, width^2/6: its bending strength over the tensile one. */
+static inline double law_beam(const sd_contact_law *l) {
+  return l->bond_width * l->bond_width / 6.0;
+}
+
 #define LAW_CONSTANTS(ROW)                                                                         \
   /* 1: damping may pull (make the normal force attractive) */                                     \
   ROW(LAW_PULLS, pulls, l->damping_pulls)                                                          \
@@ -47,6 +52,26 @@ static inline bool law_is_constant(const sd_contact_law *l) {
       law_is_bridge(l) ? math_exp(-l->rupture *law_ratio(1.0, l->range)) : 0.0)                    \
   /* gaps at which a contact begins and ends */                                                    \
   ROW(LAW_COHESION, begins, law_is_constant(l) ? l->range : 0.0)                                   \
-  ROW(LAW_COHESION, ends, law_is_constant(l) ? l->range : law_is_bridge(l) ? l->rupture : 0.0)
+  ROW(LAW_COHESION, ends, law_is_constant(l) ? l->range : law_is_bridge(l) ? l->rupture : 0.0)     \
+  /* stiffnesses of a bond; those of a beam: times its length, and times length and R_eff^2 */     \
+  ROW(LAW_BOND, bond_k_n, l->bond_E > 0.0 ? l->bond_E * l->bond_width : l->bond_k_n)               \
+  ROW(LAW_BOND, bond_k_t,                                                                          \
+      l->bond_E > 0.0 ? l->bond_E * l->bond_width / (2.0 * (1.0 + l->bond_poisson)) : l->bond_k_t) \
+  ROW(LAW_BOND, bond_k_r,                                                                          \
+      l->bond_E > 0.0 ? l->bond_E * law_beam(l) * l->bond_width / 2.0 : l->bond_k_r)               \
+  ROW(LAW_BEAM, is_beam, l->bond_E > 0.0)                                                          \
+  ROW(LAW_BOND, bond_gamma_n, l->bond_gamma_n)                                                     \
+  ROW(LAW_BOND, bond_gamma_t, l->bond_gamma_t)                                                     \
+  ROW(LAW_BOND, bond_gamma_r, l->bond_gamma_r)                                                     \
+  ROW(LAW_BOND, bond_alone, l->bond_alone)                                                         \
+  /* 1 over tensile, shear and bending strength and largest extension, 0: no limit */              \
+  ROW(LAW_BOND, per_tension,                                                                       \
+      law_ratio(1.0, l->bond_max_tension + l->bond_tension * l->bond_width))                       \
+  ROW(LAW_BOND, per_shear, law_ratio(1.0, l->bond_max_shear + l->bond_cohesion * l->bond_width))   \
+  ROW(LAW_BOND, per_bending, law_ratio(1.0, l->bond_max_bending + l->bond_tension * law_beam(l)))  \
+  ROW(LAW_BOND, bond_friction, l->bond_friction)                                                   \
+  ROW(LAW_BOND, per_extension, law_ratio(1.0, l->bond_extension))                                  \
+  /* 1: the loads by tension, shear and bending are added up */                                    \
+  ROW(LAW_BOND, loads_add, l->bond_max_tension + l->bond_max_shear + l->bond_max_bending > 0.0)
 
 #endif

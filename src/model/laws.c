@@ -4,7 +4,9 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "base/hash.h"
 #include "base/math.h"
 #include "base/memory.h"
 #include "base/text.h"
@@ -70,10 +72,119 @@ static const deck_key law_keys[] = {
      SETS(sd_contact_law, range)},
     {"rupture", NUMBER(DECK_POSITIVE, "length"), "-", NULL, "bridge: gap at which it breaks",
      SETS(sd_contact_law, rupture)},
+    {"bond_k_n", NUMBER(DECK_POSITIVE, "force/length"), "-", NULL,
+     "bond: normal stiffness, also in tension; phases make bonds (key bond)",
+     SETS(sd_contact_law, bond_k_n)},
+    {"bond_k_t", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL, "bond: shear stiffness",
+     SETS(sd_contact_law, bond_k_t)},
+    {"bond_k_r", NUMBER(DECK_NOT_NEGATIVE, "force/length"), "0.0", NULL,
+     "bond: bending stiffness, for the displacement R_eff (theta_a - theta_b)",
+     SETS(sd_contact_law, bond_k_r)},
+    {"bond_E", NUMBER(DECK_POSITIVE, "force/length^2"), "-", NULL,
+     "bond: Young's modulus of a beam of length R_a + R_b, in place of the stiffnesses",
+     SETS(sd_contact_law, bond_E)},
+    {"bond_poisson", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL,
+     "bond: Poisson's ratio of the beam", SETS(sd_contact_law, bond_poisson)},
+    {"bond_width", NUMBER(DECK_POSITIVE, "length"), "-", NULL,
+     "bond: width of the beam; also for strengths that are stresses",
+     SETS(sd_contact_law, bond_width)},
+    {"bond_gamma_n", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL,
+     "bond: normal viscosity", SETS(sd_contact_law, bond_gamma_n)},
+    {"bond_gamma_t", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL,
+     "bond: viscosity of shear", SETS(sd_contact_law, bond_gamma_t)},
+    {"bond_gamma_r", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL,
+     "bond: viscosity of bending", SETS(sd_contact_law, bond_gamma_r)},
+    {"bond_alone", BOOL, "false", NULL,
+     "while a bond lasts, its contact has no friction and no rolling friction",
+     SETS(sd_contact_law, bond_alone)},
+    {"bond_gap", NUMBER(DECK_NOT_NEGATIVE, "length"), "0.0", NULL,
+     "bond: largest gap of two surfaces that become bonded", SETS(sd_contact_law, bond_gap)},
+    {"bond_tension", NUMBER(DECK_POSITIVE, "force/length^2"), "-", NULL,
+     "bond: tensile strength of the beam, in tension and bending",
+     SETS(sd_contact_law, bond_tension)},
+    {"bond_cohesion", NUMBER(DECK_POSITIVE, "force/length^2"), "-", NULL,
+     "bond: shear strength of the beam without compression", SETS(sd_contact_law, bond_cohesion)},
+    {"bond_friction", NUMBER(DECK_NOT_NEGATIVE, "-"), "0.0", NULL,
+     "bond: shear strength per compressive stress, tan(phi)", SETS(sd_contact_law, bond_friction)},
+    {"bond_max_tension", NUMBER(DECK_POSITIVE, "force"), "-", NULL,
+     "bond: tensile strength as a force; the loads of tension, shear and bending add up",
+     SETS(sd_contact_law, bond_max_tension)},
+    {"bond_max_shear", NUMBER(DECK_POSITIVE, "force"), "-", NULL, "bond: shear strength as a force",
+     SETS(sd_contact_law, bond_max_shear)},
+    {"bond_max_bending", NUMBER(DECK_POSITIVE, "force length"), "-", NULL,
+     "bond: bending strength as a moment", SETS(sd_contact_law, bond_max_bending)},
+    {"bond_extension", NUMBER(DECK_POSITIVE, "length"), "-", NULL,
+     "bond: it breaks when it is longer by this; required without a tensile strength",
+     SETS(sd_contact_law, bond_extension)},
+    {"bond_weibull", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
+     "bond: Weibull modulus of the strengths; not given: all are alike",
+     SETS(sd_contact_law, bond_weibull)},
 };
 TABLE(law_table, "materials", false, "The law of a contact.", law_keys);
 
 /* --- errors of laws --------------------------------------------------------------------------- */
+
+/* Returns the first key of a bond that has a value, and its value; NULL: none. */
+static const char *bond_key(const sd_contact_law *law, double *value) {
+  const deck_key *key;
+  for (size_t k = 0; (key = deck_key_at(&law_table, k)); k++) {
+    *value = deck_key_value(key, law);
+    if (strncmp(key->name, "bond_", 5) == 0 && *value != 0.0) return key->name;
+  }
+  return NULL;
+}
+
+/* Returns what is wrong with the bonds of a law, or NULL; key and value as in law_mistake. */
+static const char *bond_mistake(const sd_contact_law *law, const char **key, double *value) {
+  double given = 0.0;
+  const char *any = bond_key(law, &given);
+  const bool forces = law->bond_max_tension + law->bond_max_shear + law->bond_max_bending > 0,
+             stresses = law->bond_tension + law->bond_cohesion > 0;
+  const struct {
+    bool wrong;
+    const char *key;
+    double value;
+    const char *text;
+  } rules[] = {
+      {any && !(law->bond_k_n > 0 || law->bond_E > 0), any, given,
+       "a bond needs a stiffness; give bond_k_n, or bond_E and bond_width"},
+      {law->bond_E > 0 && law->bond_k_n + law->bond_k_t + law->bond_k_r > 0, "bond_E", law->bond_E,
+       "bond_E takes the place of bond_k_n, bond_k_t and bond_k_r; leave out one of the two"},
+      {law->bond_poisson > 0 && !(law->bond_E > 0), "bond_poisson", law->bond_poisson,
+       "without bond_E it has no stiffness to refer to; give bond_E, or bond_k_t"},
+      {law->bond_poisson > 0.5, "bond_poisson", law->bond_poisson, "expected at most 0.5"},
+      {law->bond_E > 0 && !(law->bond_width > 0), "bond_E", law->bond_E,
+       "a beam needs its width; give bond_width"},
+      {stresses && !(law->bond_width > 0), law->bond_tension > 0 ? "bond_tension" : "bond_cohesion",
+       law->bond_tension > 0 ? law->bond_tension : law->bond_cohesion,
+       "a stress needs the width of the bond; give bond_width, or the strengths as forces "
+       "(bond_max_tension, bond_max_shear, bond_max_bending)"},
+      {stresses && forces, law->bond_tension > 0 ? "bond_tension" : "bond_cohesion",
+       law->bond_tension > 0 ? law->bond_tension : law->bond_cohesion,
+       "strengths are either stresses or forces; leave out these, or the keys bond_max_..."},
+      {law->bond_friction > 0 && !(law->bond_cohesion > 0 || law->bond_max_shear > 0),
+       "bond_friction", law->bond_friction,
+       "it adds to a shear strength; give bond_cohesion or bond_max_shear"},
+      {law->bond_weibull > 0 && !(stresses || forces), "bond_weibull", law->bond_weibull,
+       "without a strength nothing is distributed; give bond_tension or bond_max_tension"},
+      {any && !(law->bond_tension + law->bond_max_tension + law->bond_extension > 0),
+       "bond_extension", law->bond_extension,
+       "a bond needs a tensile strength or a largest extension, by which its neighbours are "
+       "found; a bond that is not to break gets one that it never reaches, like a tenth of a "
+       "radius"},
+      {any && law->cohesion == SD_COHESION_BRIDGE, any, given,
+       "a pair of materials has bonds or capillary bridges, not both"},
+      {any && law->cohesion == SD_COHESION_CONSTANT && !(law->range > 0), "range", law->range,
+       "attraction beside a bond needs the gap at which it ends; expected a length > 0"},
+  };
+  for (size_t k = 0; k < sizeof rules / sizeof *rules; k++) {
+    if (!rules[k].wrong || isnan(rules[k].value)) continue;
+    *key = rules[k].key;
+    *value = rules[k].value;
+    return rules[k].text;
+  }
+  return NULL;
+}
 
 char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
   sd_contact_law derived = *law;
@@ -118,7 +229,8 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
     return k == 0 ? format_text("%s = %g", rules[k].text, law->mu)
                   : format_text("%s", rules[k].text);
   }
-  return NULL;
+  const char *text = bond_mistake(law, key, value);
+  return text ? format_text("%s", text) : NULL;
 }
 
 double law_pull(const sd_contact_law *law, double delta) {
@@ -147,20 +259,68 @@ unsigned law_features(const sd_contact_law *law) {
   if (law->cohesion != SD_COHESION_NONE) f |= LAW_COHESION;
   if (law->cohesion == SD_COHESION_BRIDGE) f |= LAW_BRIDGE;
   if (law->E_star > 0) f |= LAW_RADIUS;
+  if (law_bonds(law)) f |= LAW_BOND | LAW_ROLLING; /* a bond uses the rolling displacement */
+  if (law->bond_E > 0) f |= LAW_BEAM;
   return f;
 }
 
-/* Returns the largest gap at which a contact law attracts; 0: no attraction. */
-static double reach_of(const sd_contact_law *law) {
-  return law->cohesion == SD_COHESION_BRIDGE     ? law->rupture
-         : law->cohesion == SD_COHESION_CONSTANT ? law->range
-                                                 : 0.0;
+double bond_strength(const sd_contact_law *law, double u) {
+  if (!(law->bond_weibull > 0.0)) return 1.0;
+  return math_pow(-math_log(math_max(u, 0x1p-54)), 1.0 / law->bond_weibull);
+}
+
+double bond_draw(int64_t seed, uint32_t a, uint32_t b) {
+  const uint64_t words[] = {(uint64_t)seed, a < b ? a : b, a < b ? b : a};
+  uint64_t h = hash_words(HASH_WORDS, words, sizeof words);
+  for (int k = 0; k < 2; k++) { /* mixes high bits into low ones, which FNV-1a does not */
+    h ^= h >> 32;
+    h *= UINT64_C(0xd6e8feb86659fd93);
+  }
+  return (double)((h ^ h >> 32) >> 11) * 0x1p-53;
+}
+
+sd_contact_law bond_law_at(const sd_contact_law *law, double ra, double rb, double arm) {
+  sd_contact_law at = *law;
+  if (!(law->bond_E > 0.0)) return at;
+  const double length = ra + math_max(rb, 0.0), w = law->bond_width;
+  at.bond_k_n = law->bond_E * w / length;
+  at.bond_k_t = at.bond_k_n / (2.0 * (1.0 + law->bond_poisson));
+  at.bond_k_r = law->bond_E * w * w * w / (12.0 * length * arm * arm);
+  at.bond_E = 0.0;
+  return at;
+}
+
+/* Returns the largest gap of a bond of this law. longest: largest sum of two radii. */
+static double bond_reach(const sd_contact_law *law, double longest) {
+  if (!law_bonds(law)) return 0.0;
+  const double stiffness = bond_law_at(law, longest, 0.0, 1.0).bond_k_n,
+               force = law->bond_max_tension + law->bond_tension * law->bond_width;
+  double longer = law->bond_extension > 0.0 ? law->bond_extension : HUGE_VAL;
+  if (force > 0.0) longer = math_min(longer, bond_strength(law, 0.0) * force / stiffness);
+  return law->bond_gap + longer;
+}
+
+/* Returns the largest gap at which two bodies exert a force on each other; 0: they must touch. */
+static double reach_of(const sd_contact_law *law, double longest) {
+  const double attracts = law->cohesion == SD_COHESION_BRIDGE     ? law->rupture
+                          : law->cohesion == SD_COHESION_CONSTANT ? law->range
+                                                                  : 0.0;
+  return math_max(attracts, bond_reach(law, longest));
+}
+
+/* Returns the largest sum of the radii of a free disk and another one. */
+static double longest_pair(const sd_model *m) {
+  double largest = m->largest_radius;
+  for (size_t k = 0; k < model_known(m); k++)
+    largest = math_max(largest, m->disks[model_known_disk(m, k)].radius);
+  return m->largest_radius + largest;
 }
 
 double laws_range(const sd_model *m) {
   double farthest = 0.0;
+  const double longest = laws_features(m) & LAW_BEAM ? longest_pair(m) : 1.0;
   for (size_t k = 0; m->laws && k < m->n_materials * m->n_materials; k++)
-    farthest = math_max(farthest, reach_of(&m->laws[k]));
+    farthest = math_max(farthest, reach_of(&m->laws[k], longest));
   return farthest;
 }
 

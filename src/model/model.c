@@ -466,6 +466,12 @@ int sd_model_add_phase(sd_model *m, const sd_phase *phase) {
   if (!copy_of(m, phase->release, phase->n_release, sizeof *phase->release, &to->release,
                "a phase"))
     to->n_release = 0;
+  const sd_bonding *bond = &phase->bond;
+  if (!copy_of(m, bond->between, bond->n_between, sizeof *bond->between, &to->bond.between,
+               "bond.between"))
+    to->bond.n_between = 0;
+  if (!copy_of(m, bond->pairs, bond->n_pairs, sizeof *bond->pairs, &to->bond.pairs, "bond.pairs"))
+    to->bond.n_pairs = 0;
   if (to->steps == 0) to->steps = ENDLESS;
   if (to->settle.asked && to->settle.every == 0) to->settle.every = 1000;
   if (to->compress.asked && to->compress.tolerance == 0.0) to->compress.tolerance = 1e-3;
@@ -533,6 +539,11 @@ void model_complete(sd_model *m) {
     for (size_t b = 0; b < q->n_bodies; b++) q->bodies[b] = body_number(m, q->bodies[b]);
     for (int side = 0; side < 2; side++) q->beside[side] = body_number(m, q->beside[side]);
     give_stream(m, k);
+  }
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_bonding *b = &m->phases[k].bond;
+    uint32_t *between = (uint32_t *)(uintptr_t)b->between;
+    for (size_t n = 0; n < b->n_between; n++) between[n] = body_number(m, between[n]);
   }
   for (size_t k = 0; k < m->n_slides; k++)
     for (int side = 0; side < 2; side++)

@@ -197,7 +197,7 @@ struct sd_model {
   /* True: record time series of the forces on each wall, and on each group of disks. */
   bool measure_walls, measure_groups;
   /* True: record time series of the region's width and height, its stress, its rattlers. */
-  bool measure_box, measure_stress, measure_rattlers;
+  bool measure_box, measure_stress, measure_rattlers, measure_fragments;
   bool measure_disks; /* true: compute time averages for every free disk */
   /* True: record torque, normal forces and duration of each sliding configuration (combination
    * of the contact states) of the pairs of contacts in `slides`. */

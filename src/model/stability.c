@@ -3,7 +3,7 @@
  * A disk between two supports is an oscillator x'' = -w^2 x - c x' with w^2 = 2 k/m and c = 2
  * gamma_n/m along the normal, and w^2 = 2 k_t (1/m + R^2/I), c = 2 gamma_t (1/m + R^2/I) along
  * the tangent; rolling resistance at both supports adds 2 k_r R^2/I to this w^2 and
- * 2 (gamma_r + drag_r) R^2/I to this c. A stiffness that depends on the overlap is taken at 0.01
+ * 2 (gamma_r + drag_r) R^2/I to this c. Bonds add their stiffnesses and viscosities. A stiffness that depends on the overlap is taken at 0.01
  * R, one that depends on R_eff at R, which is that of a straight wall. Both integrators
  * use the velocity predicted from the old acceleration. An eigenvalue of their step passes -1,
  * and the motion blows up within a few steps, beyond
@@ -50,11 +50,16 @@ static oscillator oscillator_of(const sd_disk *d, const sd_contact_law *law, dou
       law->tangential == SD_TANGENTIAL_MINDLIN ? flat.k_t * sqrt(0.01 * d->radius) : flat.k_t;
   if (tsuji > 0.0)
     gamma += normal_laws[law->normal].viscosity(tsuji * sqrt(d->mass * flat.k_n), 0.01 * d->radius);
-  return (oscillator){.normal2 = 2.0 * law_typical_stiffness(law, d->radius) * inverse_mass,
-                      .tangential2 = k_t * rubs + 2.0 * law->k_r * inverse_inertia,
-                      .damping = 2.0 * gamma * inverse_mass,
-                      .friction = law->gamma_t * rubs +
-                                  2.0 * (law->gamma_r + law->drag_r) * inverse_inertia};
+  /* bonds act beside the contact; with a disk of the same size R_eff is R/2 */
+  const sd_contact_law bond = bond_law_at(law, d->radius, d->radius, 0.5 * d->radius);
+  const double shears = 2.0 * (inverse_mass + inverse_inertia), bends = 0.5 * inverse_inertia;
+  return (oscillator){
+      .normal2 = 2.0 * (law_typical_stiffness(law, d->radius) + bond.bond_k_n) * inverse_mass,
+      .tangential2 = k_t * rubs + 2.0 * law->k_r * inverse_inertia + bond.bond_k_t * shears +
+                     bond.bond_k_r * bends,
+      .damping = 2.0 * (gamma + law->bond_gamma_n) * inverse_mass,
+      .friction = law->gamma_t * rubs + 2.0 * (law->gamma_r + law->drag_r) * inverse_inertia +
+                  law->bond_gamma_t * shears + law->bond_gamma_r * bends};
 }
 
 bool law_is_as_stiff(const sd_contact_law *a, const sd_contact_law *b) {

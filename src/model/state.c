@@ -138,6 +138,17 @@ const sd_field sd_fields[] = {
             COLUMN(past_rolling, SD_F64, SD_PER_LAW_FREE, "energy",
                    "lost to rolling in this disk's contacts that have ended"),
     COLUMN(loss_bridge, SD_F64, SD_PER_LAW_FREE, "energy", "lost when bridges of this disk formed"),
+    COLUMN(broken_tension, SD_F64, SD_PER_LAW_FREE, "energy",
+           "of this disk's bonds that broke by tension"),
+    COLUMN(broken_shear, SD_F64, SD_PER_LAW_FREE, "energy", "of those that broke by shear"),
+    COLUMN(broken_bending, SD_F64, SD_PER_LAW_FREE, "energy", "of those that broke by bending"),
+    COLUMN(break_step, SD_I64, SD_PER_BREAK, "1", "step in which the bond broke"),
+    COLUMN(break_a, SD_U32, SD_PER_BREAK, "1", "body number of the first disk"),
+    COLUMN(break_b, SD_U32, SD_PER_BREAK, "1", "body number of the second disk or wall"),
+    COLUMN(break_mode, SD_I32, SD_PER_BREAK, "1", "1 tension, 2 shear, 3 bending"),
+    COLUMN(break_x, SD_F64, SD_PER_BREAK, "length", "x of the contact then"),
+    COLUMN(break_y, SD_F64, SD_PER_BREAK, "length", "y of the contact then"),
+    COLUMN(break_energy, SD_F64, SD_PER_BREAK, "energy", "elastic energy of the bond then"),
 
     COLUMN(motion_start, SD_I64, SD_PER_MOTION, "1",
            "step at which the motion was switched on, -1: off"),
@@ -310,6 +321,7 @@ size_t sd_extent_size(const sd_state *s, sd_extent extent) {
     case SD_PER_CLUMP: return s->n_clumps;
     case SD_PER_LAW_CONTACT: return s->law_columns * s->n_contacts;
     case SD_PER_LAW_FREE: return s->law_columns * s->n_free;
+    case SD_PER_BREAK: return s->n_breaks;
     case SD_PER_AVERAGE: return s->n_averages;
     case SD_PER_AVERAGE_FORM: return s->n_averages * 2;
     case SD_PER_AVERAGE_BIN: return s->n_averages * 2 * SD_BINS;
@@ -339,9 +351,9 @@ static void *column_new(size_t n, sd_type type) {
 }
 
 /* True if the column lies in the memory block s->columns, which all columns but those of
- * contacts share. */
+ * contacts and breaks share. */
 static bool in_room(const sd_field *f) {
-  return f->extent != SD_PER_RUN && !state_of_contacts(f->extent);
+  return f->extent != SD_PER_RUN && f->extent != SD_PER_BREAK && !state_of_contacts(f->extent);
 }
 
 /* Allocates the memory block of all columns but those of contacts, and sets the pointers to
@@ -488,27 +500,53 @@ sd_state *state_new_part(const sd_model *m, size_t n_free, size_t n_ghosts) {
 void sd_state_free(sd_state *s) {
   if (!s) return;
   for (size_t k = 0; k < sd_field_count; k++)
-    if (state_of_contacts(sd_fields[k].extent)) free(*field_pointer(s, &sd_fields[k]));
+    if (sd_fields[k].extent != SD_PER_RUN && !in_room(&sd_fields[k]))
+      free(*field_pointer(s, &sd_fields[k]));
   arena_free(s->columns);
   free(s);
 }
 
-sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {
-  if (n <= s->contact_capacity) return SD_OK;
-  size_t capacity = n + n / 4;
+/* Makes the columns that `grows` selects hold `capacity` rows, and keeps the first n rows. */
+static sd_status grow_columns(sd_state *s, bool (*grows)(sd_extent extent), size_t n,
+                              size_t capacity) {
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
-    if (!state_of_contacts(f->extent)) continue;
-    const bool kept = f->extent == SD_PER_CONTACT || s->law_columns;
+    if (!grows(f->extent)) continue;
+    const bool kept = f->extent != SD_PER_LAW_CONTACT || s->law_columns;
     void *column = column_new(kept ? capacity : 0, f->type);
     if (!column) return SD_ERROR_IO;
     void **old = field_pointer(s, f);
-    assert(s->n_contacts <= s->contact_capacity && s->contact_capacity < capacity);
-    if (*old && kept) memcpy(column, *old, s->n_contacts * sd_type_size(f->type));
+    if (*old && kept) memcpy(column, *old, n * sd_type_size(f->type));
     free(*old);
     *old = column;
   }
-  s->contact_capacity = capacity;
+  return SD_OK;
+}
+
+sd_status sd_state_reserve_contacts(sd_state *s, size_t n) {
+  if (n <= s->contact_capacity) return SD_OK;
+  assert(s->n_contacts <= s->contact_capacity);
+  if (grow_columns(s, state_of_contacts, s->n_contacts, n + n / 4) != SD_OK) return SD_ERROR_IO;
+  s->contact_capacity = n + n / 4;
+  return SD_OK;
+}
+
+static bool of_breaks(sd_extent extent) { return extent == SD_PER_BREAK; }
+
+sd_status state_reserve_breaks(sd_state *s, size_t n) {
+  if (n <= s->break_capacity) return SD_OK;
+  const size_t capacity = n + n / 4 + 8;
+  if (grow_columns(s, of_breaks, s->n_breaks, capacity) != SD_OK) return SD_ERROR_IO;
+  s->break_capacity = capacity;
+  return SD_OK;
+}
+
+sd_status state_size_like(sd_state *s, const sd_state *other) {
+  if (sd_state_reserve_contacts(s, other->n_contacts) != SD_OK ||
+      state_reserve_breaks(s, other->n_breaks) != SD_OK)
+    return SD_ERROR_IO;
+  s->n_contacts = other->n_contacts;
+  s->n_breaks = other->n_breaks;
   return SD_OK;
 }
 

@@ -56,6 +56,7 @@ struct sd_state {
    * on; n_disks includes them. */
   size_t n_ghosts;
   size_t n_contacts, contact_capacity;
+  size_t n_breaks, break_capacity; /* bonds that have broken; over ranks all ranks list all */
   size_t n_motions, n_phases, n_rotations, n_slides, n_means, n_visits, n_fielded, n_clumps,
       n_averages;
   /* Number of rows of the columns cell ... cell_mean, and of cell_u ... nonaffine_y; 0 unless a
@@ -111,6 +112,9 @@ struct sd_state {
    * loss_viscous; only if law_columns is 1. */
   double *past_rolling;
   double *loss_bridge; /* energy lost when capillary bridges formed; only if law_columns is 1 */
+  /* energy of bonds that broke by tension, shear and bending, divided between two bodies like
+   * loss_viscous; only if law_columns is 1 */
+  double *broken_tension, *broken_shear, *broken_bending;
   double *x2, *y2, *theta2;
   double *x3, *y3, *theta3, *x4, *y4, *theta4, *x5, *y5, *theta5;
 
@@ -136,6 +140,13 @@ struct sd_state {
    * 1 */
   SD_CONTACT_MORE(SD_CONTACT_POINTER)
 #undef SD_CONTACT_POINTER
+
+  /* The following columns have one row per bond that has broken, in the order of steps, then of the
+   * two bodies. break_mode: 1 tension, 2 shear, 3 bending (contact/law_bond.h). */
+  int64_t *break_step;
+  uint32_t *break_a, *break_b;
+  int32_t *break_mode;
+  double *break_x, *break_y, *break_energy;
 
   /* The following columns have one row per motion. */
   int64_t *motion_start; /* step at which the motion was switched on; -1: off */
@@ -303,6 +314,12 @@ uint64_t state_hash_bytes(uint64_t hash, const void *data, size_t bytes);
 /* Makes the contact columns hold at least n rows and keeps the existing ones. SD_ERROR_IO: out
  * of memory. */
 sd_status sd_state_reserve_contacts(sd_state *state, size_t n);
+/* Makes the columns of broken bonds hold at least n rows and keeps the existing ones. SD_ERROR_IO:
+ * out of memory. */
+sd_status state_reserve_breaks(sd_state *state, size_t n);
+/* Gives the state as many rows of contacts and of broken bonds as another one has, without their
+ * values. SD_ERROR_IO: out of memory. */
+sd_status state_size_like(sd_state *state, const sd_state *other);
 /* Returns the history of stored contact c; columns that the state does not have are 0. */
 sd_contact_record sd_state_record(const sd_state *state, size_t c);
 /* Sets the history of stored contact c. */

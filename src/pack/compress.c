@@ -153,7 +153,12 @@ static sd_status check_width(const engine *e, double f, sd_messages *messages) {
 }
 
 static double potential(const sd_energy *e) {
-  return e->elastic_normal + e->elastic_tangential + e->elastic_rolling + e->cohesion + e->external;
+  return e->elastic_normal + e->elastic_tangential + e->elastic_rolling + e->elastic_bond +
+         e->cohesion + e->external;
+}
+
+static double broken(const sd_energy *e) {
+  return e->broken_tension + e->broken_shear + e->broken_bending;
 }
 
 sd_status compress_step(engine *e, sd_messages *messages) {
@@ -166,6 +171,7 @@ sd_status compress_step(engine *e, sd_messages *messages) {
   sd_energy after = energy_of(e);
   e->state->work_driven += (potential(&after) - potential(&before)) +
                            (after.friction - before.friction) + (after.opening - before.opening) +
-                           (after.rolling - before.rolling) + (after.bridge - before.bridge);
+                           (after.rolling - before.rolling) + (after.bridge - before.bridge) +
+                           (broken(&after) - broken(&before));
   return SD_OK;
 }

@@ -14,6 +14,7 @@
 #include "physics/contact/energy.h"
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
+#include "physics/step/bonds.h"
 #include "physics/step/access.h"
 #include "physics/step/cell.h"
 #include "physics/step/contacts.h"
@@ -120,6 +121,8 @@ static void close_phase(engine *e, const settle_measure *rest) {
   s->phase_step = 0;
 }
 
+static sd_status begin_bonds(engine *e) { return comm_agree(e->comm, bonds_begin_phase(e)); }
+
 static sd_status prepare_relaxing(engine *e) {
   if (!state_goes_on(e->model, e->state, relaxes)) relax_begin(e);
   return SD_OK;
@@ -150,8 +153,8 @@ static const struct {
   sd_status (*prepare)(engine *e); /* before forces are evaluated: sets what they depend on */
   sd_status (*begin)(engine *e);   /* with contacts and forces as the first step finds them */
 } phase_actions[] = {
-    {.prepare = prepare_relaxing}, {.prepare = prepare_cell},  {.prepare = prepare_holding},
-    {.prepare = prepare_motions},  {.begin = begin_measuring},
+    {.prepare = prepare_relaxing}, {.prepare = prepare_cell}, {.prepare = prepare_holding},
+    {.prepare = prepare_motions},  {.begin = begin_bonds},    {.begin = begin_measuring},
 };
 enum { PHASE_ACTIONS = sizeof phase_actions / sizeof *phase_actions };
 

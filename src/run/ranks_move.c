@@ -352,7 +352,7 @@ sd_status move_parts(const comm_cuts *cuts, const engine *from, bool first, doub
   if (status == SD_OK) status = take_disks(&p, *state);
   if (status == SD_OK) status = call_contacts(&p);
   if (status == SD_OK) status = take_contacts(&p, *state);
-  if (status == SD_OK) common_take(from->state, *state);
+  if (status == SD_OK) status = need(c, common_take(from->state, *state));
   if (status == SD_OK) status = make_halo(&p, skin, h);
   part_free(&p);
   if (status == SD_OK) status = order_contacts(model, *state);

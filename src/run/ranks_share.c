@@ -187,7 +187,9 @@ static size_t common_part(const sd_state *s, const sd_field *f, char **at) {
   return size * (s->n_bodies - first);
 }
 
-void common_take(const sd_state *from, sd_state *to) {
+bool common_take(const sd_state *from, sd_state *to) {
+  if (state_reserve_breaks(to, from->n_breaks) != SD_OK) return false;
+  to->n_breaks = from->n_breaks;
   for (size_t k = 0; k < sd_field_count; k++) {
     char *source, *target;
     const size_t bytes = common_part(from, &sd_fields[k], &source);
@@ -195,6 +197,7 @@ void common_take(const sd_state *from, sd_state *to) {
     assert(bytes == room);
     if (bytes > 0) memcpy(target, source, bytes);
   }
+  return true;
 }
 
 /* --- Sending columns -------------------------------------------------------------------------- */

@@ -62,6 +62,6 @@ sd_status moving_send(const moving *m, const uint32_t *place);
 
 /* Copies the data that all ranks have alike: rows of prescribed bodies, motions, numbers of the
  * run. */
-void common_take(const sd_state *from, sd_state *to);
+bool common_take(const sd_state *from, sd_state *to);
 
 #endif

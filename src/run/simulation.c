@@ -719,11 +719,10 @@ sd_status sd_simulation_load_memory(const void *data, size_t size, int threads, 
 
 static sd_state *state_clone(const sd_model *model, const sd_state *state) {
   sd_state *copy = sd_state_new(model);
-  if (!copy || sd_state_reserve_contacts(copy, state->n_contacts) != SD_OK) {
+  if (!copy || state_size_like(copy, state) != SD_OK) {
     sd_state_free(copy);
     return NULL;
   }
-  copy->n_contacts = state->n_contacts;
   for (size_t k = 0; k < sd_field_count; k++) {
     const size_t n = sd_extent_size(state, sd_fields[k].extent) * sd_type_size(sd_fields[k].type);
     if (n) memcpy(sd_field_data(copy, &sd_fields[k]), sd_field_data(state, &sd_fields[k]), n);

@@ -209,24 +209,26 @@ static sd_status larger_model(const sd_model *old, size_t n, const sd_disk *disk
 static sd_status larger_state(const sd_model *m, const sd_state *old, size_t n, sd_state **out) {
   sd_state *s = *out = sd_state_new(m);
   const uint32_t first = (uint32_t)old->n_disks;
-  if (!s || sd_state_reserve_contacts(s, old->n_contacts) != SD_OK) {
+  if (!s || state_size_like(s, old) != SD_OK) {
     sd_state_free(s);
     *out = NULL;
     return SD_ERROR_IO;
   }
-  s->n_contacts = old->n_contacts;
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     const size_t size = sd_type_size(f->type), all = sd_extent_size(old, f->extent);
     const size_t front = f->extent == SD_PER_BODY ? old->n_free : all;
     char *to = sd_field_data(s, f);
     const char *from = sd_field_data(old, f);
+    if (all == 0) continue;
     memcpy(to, from, front * size);
     memcpy(to + (front + n) * size, from + front * size, (all - front) * size);
   }
   for (size_t i = 0; i < s->n_bodies; i++) s->id[i] += s->id[i] >= first ? (uint32_t)n : 0;
   for (size_t c = 0; c < s->n_contacts; c++)
     s->contact_b[c] += s->contact_b[c] >= first ? (uint32_t)n : 0;
+  for (size_t k = 0; k < s->n_breaks; k++)
+    s->break_b[k] += s->break_b[k] >= first ? (uint32_t)n : 0;
   for (size_t k = 0; k < n; k++)
     engine_fill_disk(s, &m->disks[first + k], first + (uint32_t)k, (uint32_t)(old->n_free + k));
   if (s->n_free >= ORDER_LEAST && order_disks(m, s) != SD_OK) {

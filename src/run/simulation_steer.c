@@ -341,14 +341,14 @@ static size_t per_free(const sd_state *s, sd_extent extent) {
  * [n_bodies] old slot of each new slot. Rows that a free disk has and a driven one lacks become 0.
  * */
 static void copy_rows(sd_state *s, const sd_state *old, const uint32_t *from) {
-  s->n_contacts = old->n_contacts;
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     const bool bodies = f->extent == SD_PER_BODY;
     const size_t per = bodies ? 1 : per_free(s, f->extent), size = sd_type_size(f->type);
     char *to = sd_field_data(s, f);
     const char *at = sd_field_data(old, f);
-    if (per == 0) memcpy(to, at, sd_extent_size(old, f->extent) * size);
+    const size_t bytes = sd_extent_size(old, f->extent) * size;
+    if (per == 0 && bytes > 0) memcpy(to, at, bytes);
     for (size_t i = 0; per > 0 && i < (bodies ? s->n_bodies : s->n_free); i++)
       if (bodies || from[i] < old->n_free)
         memcpy(to + i * per * size, at + from[i] * per * size, per * size);
@@ -377,8 +377,7 @@ static sd_status rearrange(steering *c, sd_state **out) {
   sd_state *s = *out = sd_state_new(c->next);
   uint32_t *from = NULL;
   sd_status status = SD_ERROR_IO;
-  if (s && memory_row(&from, old->n_bodies, sizeof *from) &&
-      sd_state_reserve_contacts(s, old->n_contacts) == SD_OK) {
+  if (s && memory_row(&from, old->n_bodies, sizeof *from) && state_size_like(s, old) == SD_OK) {
     list_slots(c->next, old, from);
     copy_rows(s, old, from);
     for (size_t i = 0; i < s->n_free; i++)

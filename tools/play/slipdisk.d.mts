@@ -87,6 +87,7 @@ export interface Energy {
   elastic_normal: number;
   elastic_tangential: number;
   elastic_rolling: number;
+  elastic_bond: number;
   cohesion: number;
   external: number;
   start: number;
@@ -97,6 +98,9 @@ export interface Energy {
   rolling: number;
   bridge: number;
   opening: number;
+  broken_tension: number;
+  broken_shear: number;
+  broken_bending: number;
   drag: number;
   damping: number;
   relaxed: number;

@@ -110,8 +110,8 @@ const NONE = 0xffffffff;
 const MEAN = ["mean", "error", "correlation", "used", "discarded", "converged"];
 const ROTATION = ["disk", "omega", "error", "scaled", "scaledError", "transient", "measured", "turned", "converged"];
 const ENERGY = ["kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential", "elastic_rolling",
-  "cohesion", "external", "start", "work", "nonconservative_work", "viscous", "friction", "rolling", "bridge",
-  "opening", "drag", "damping", "relaxed", "residual", "scale"];
+  "elastic_bond", "cohesion", "external", "start", "work", "nonconservative_work", "viscous", "friction", "rolling", "bridge",
+  "opening", "broken_tension", "broken_shear", "broken_bending", "drag", "damping", "relaxed", "residual", "scale"];
 const KINDS = ["line", "segment", "polyline", "circle", "arc"];
 
 function record(names, numbers) {

@@ -14,8 +14,9 @@ sys.path.insert(0, str(ROOT / "tools" / "python"))
 
 import slipdisk  # noqa: E402
 
-ENERGIES = ("kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential", "elastic_rolling", "cohesion",
-            "work", "nonconservative_work", "viscous", "friction", "rolling", "bridge", "opening", "drag", "damping")
+ENERGIES = ("kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential", "elastic_rolling", "elastic_bond", "cohesion",
+            "work", "nonconservative_work", "viscous", "friction", "rolling", "bridge", "opening", "broken_tension", "broken_shear",
+            "broken_bending", "drag", "damping")
 SCALES = {"place": 0.05, "angle": 1.0, "velocity": 1.0, "spin": 20.0, "force": 1.0, "torque": 0.05, "energy": 0.01}
 
 

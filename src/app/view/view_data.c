@@ -92,11 +92,12 @@ json_t *view_meta(const sd_model *m, const char *kind, const char *title, const 
       json_pack("{s:o, s:o, s:[b, b]}", "lower", lower_json(m), "edges", edges_json(m, 1.0, NULL),
                 "periodic", (int)m->periodic[0], (int)m->periodic[1]);
   json_t *budget = json_pack(
-      "{s:[s, s, s, s, s, s, s], s:[s, s, s], s:[s, s, s, s, s, s, s, s], s:s, s:s}", "stored",
-      "kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential",
-      "elastic_rolling", "cohesion", "external", "supplied", "start", "work",
-      "nonconservative_work", "lost", "viscous", "friction", "rolling", "bridge", "opening", "drag",
-      "damping", "relaxed", "residual", "residual", "scale", "scale");
+      "{s:[s, s, s, s, s, s, s, s], s:[s, s, s], s:[s, s, s, s, s, s, s, s, s, s, s], s:s, s:s}",
+      "stored", "kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential",
+      "elastic_rolling", "elastic_bond", "cohesion", "external", "supplied", "start", "work",
+      "nonconservative_work", "lost", "viscous", "friction", "rolling", "bridge", "opening",
+      "broken_tension", "broken_shear", "broken_bending", "drag", "damping", "relaxed", "residual",
+      "residual", "scale", "scale");
   return json_pack("{s:i, s:o, s:o, s:s, s:s, s:o, s:o, s:I, s:o, s:o, s:o, s:o, s:o, s:[], s:o, "
                    "s:[], s:[], s:{}}",
                    "format", 1, "title", json_text(title ? title : ""), "source", json_text(source),

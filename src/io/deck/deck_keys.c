@@ -330,12 +330,12 @@ TABLE_EITHER(deck_sweep_parameters, "sweep.parameters", false, "A parameter and 
              sweep_parameter_keys, "values/linspace/logspace");
 
 const deck_table *const deck_tables[] = {
-    &deck_top,           &deck_gravity, &deck_box,       &deck_materials,        &deck_pairs,
-    &container_table,    &deck_disks,   &deck_disk_rows, &deck_disk_files,       &deck_packings,
-    &deck_packing_clump, &deck_clumps,  &deck_bounds,    &deck_forces,           &deck_locks,
-    &deck_walls,         &deck_motions, &deck_fields,    &deck_phases,           &deck_settle,
-    &deck_compress,      &deck_cell,    &deck_output,    &deck_measure,          &deck_sliding,
-    &deck_until,         &deck_limits,  &deck_sweeps,    &deck_sweep_parameters,
+    &deck_top,           &deck_gravity, &deck_box,       &deck_materials,  &deck_pairs,
+    &container_table,    &deck_disks,   &deck_disk_rows, &deck_disk_files, &deck_packings,
+    &deck_packing_clump, &deck_clumps,  &deck_bounds,    &deck_forces,     &deck_locks,
+    &deck_walls,         &deck_motions, &deck_fields,    &deck_phases,     &deck_settle,
+    &deck_compress,      &deck_cell,    &deck_bond,      &deck_output,     &deck_measure,
+    &deck_sliding,       &deck_until,   &deck_limits,    &deck_sweeps,     &deck_sweep_parameters,
 };
 const size_t deck_table_count = COUNT(deck_tables);
 

@@ -170,12 +170,17 @@ void deck_carry_contact(sd_contact_memory *c, disk_angle_shift a, disk_angle_shi
   }
   c->record.lambda_ref += shift;
   c->record.rho_ref += law_arm(a.radius, rb) * rolled;
+  if (c->record.bond > 0.0) {
+    c->record.bond_lambda += shift;
+    c->record.bond_rho += law_arm(a.radius, rb) * rolled;
+  }
   c->record.viscous = c->record.friction = c->record.nonconservative_work = c->record.rolling = 0.0;
   c->force_carried = carried;
   if (carried) return;
   /* The first force evaluation sets rho and roll, and tau and pull too unless the contact slides:
    * there they are kept, since they are the limit of its friction */
   c->record.rho = c->record.roll = 0.0;
+  c->record.bond_pull = c->record.bond_shear = c->record.bond_bend = 0.0;
   if (c->slide == 0) c->record.tau = c->record.pull = 0.0;
 }
 

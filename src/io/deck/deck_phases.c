@@ -1,10 +1,14 @@
 /* deck_phases.c: reads phases, output intervals and measurements. See deck_tree.h. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/limits.h"
+#include "base/math.h"
 #include "base/memory.h"
 #include "io/deck/deck_read.h"
+#include "io/deck/deck_rows.h"
+#include "model/laws.h"
 #include "model/motions.h"
 
 /* Largest number of free disks for which the rotation of all of them is measured by default. */
@@ -190,6 +194,71 @@ static void read_cell(deck_group *g, sd_cell *cell) {
   deck_fill(&c, cell);
 }
 
+static int by_pair(const void *one, const void *two) {
+  const uint32_t *p = one, *q = two;
+  if (p[0] != q[0]) return p[0] < q[0] ? -1 : 1;
+  return p[1] < q[1] ? -1 : p[1] > q[1];
+}
+
+/* Reads the pairs of disks in a file, and sorts them. */
+static void read_pairs(deck_group *g, sd_bonding *bond) {
+  static const char *const names[2] = {"a", "b"};
+  deck *d = g->d;
+  const deck_node *file = deck_get(g, "file");
+  const size_t before = d->reported;
+  double *column[2] = {NULL, NULL};
+  const size_t n = deck_csv_pair(d, file, names, &column[0], &column[1]);
+  if (d->reported > before) return;
+  if (n == 0) deck_fail(d, file, "it names no pair; expected rows with the numbers of two disks");
+  uint32_t(*pairs)[2] = memory_new(n + 1, sizeof *pairs);
+  for (size_t k = 0; k < n && d->reported == before; k++) {
+    const double a = math_min(column[0][k], column[1][k]), b = math_max(column[0][k], column[1][k]);
+    if (!(a >= 0 && b < (double)d->model->n_disks && a == floor(a) && b == floor(b)))
+      deck_fail(d, file, "row %zu: disks %g and %g; expected two numbers from 0 to %zu", k + 1,
+                column[0][k], column[1][k], d->model->n_disks - 1);
+    else if (a == b)
+      deck_fail(d, file, "row %zu: a bond of disk %g with itself", k + 1, a);
+    if (d->reported > before) break;
+    pairs[k][0] = (uint32_t)a;
+    pairs[k][1] = (uint32_t)b;
+  }
+  if (n > 1) qsort(pairs, n, sizeof *pairs, by_pair);
+  bond->pairs = (const uint32_t(*)[2])pairs;
+  bond->n_pairs = d->reported > before ? 0 : n;
+}
+
+static bool any_bonds(const sd_model *m) {
+  for (size_t k = 0; k < m->n_materials * m->n_materials; k++)
+    if (law_bonds(&m->laws[k])) return true;
+  return false;
+}
+
+static void read_bond(deck_group *g, sd_bonding *bond) {
+  deck_node *node = deck_get(g, "bond");
+  deck_group b;
+  if (!node || !deck_enter(g->d, node, &deck_bond, &b)) return;
+  bond->asked = true;
+  deck_fill(&b, bond);
+  const bool named = deck_given(&b, "disk") || deck_given(&b, "group") || deck_given(&b, "wall");
+  if (!any_bonds(g->d->model))
+    deck_fail(g->d, node,
+              "no law has bonds; expected bond_k_n, or bond_E and bond_width, in materials or "
+              "material_pairs");
+  if (deck_given(&b, "file") && named)
+    deck_fail_key(&b, "file", "given together with disk, group or wall; expected one of them");
+  if (deck_given(&b, "file") && bond->sinter)
+    deck_fail_key(&b, "sinter", "the file lists the pairs; leave out one of the two");
+  if (bond->later && !bond->sinter)
+    deck_fail_key(&b, "begin", "no bond is ever made; expected sinter = true, or begin = true");
+  if (named) {
+    const deck_bodies bodies = deck_select(&b, true);
+    bond->between = memory_copy(bodies.body, bodies.n * sizeof *bodies.body);
+    bond->n_between = bodies.n;
+  } else if (deck_given(&b, "file")) {
+    read_pairs(&b, bond);
+  }
+}
+
 static void read_phase(deck_group *g, deck_group *output, sd_phase *phase, bool last) {
   static const char *const cadences[] = {"series", "frames", "contacts"};
   phase->steps = read_steps(g);
@@ -204,6 +273,7 @@ static void read_phase(deck_group *g, deck_group *output, sd_phase *phase, bool 
   read_settle(g, &phase->settle);
   read_compress(g, &phase->compress);
   read_cell(g, &phase->cell);
+  read_bond(g, &phase->bond);
 }
 
 void deck_read_phases(deck *d) {

@@ -75,13 +75,19 @@ static void put_columns(h5_file *file, const sd_state *state, bool shared) {
   }
 }
 
-static void put_extents(h5_file *file, const sd_state *sizes, size_t n_contacts) {
+static void put_extents(h5_file *file, const sd_state *sizes, size_t n_contacts, size_t n_breaks) {
   h5_group(file, "/state");
   h5_attr_i64(file, "/state", "format", CHECKPOINT_FORMAT);
   for (size_t k = 0; k < CHECKPOINT_EXTENTS; k++)
     h5_attr_i64(file, "/state", checkpoint_extents[k].name,
                 (int64_t)checkpoint_extent_of(sizes, k));
   h5_attr_i64(file, "/state", "n_contacts", (int64_t)n_contacts);
+  h5_attr_i64(file, "/state", "n_breaks", (int64_t)n_breaks);
+}
+
+/* Returns the number of broken bonds in a checkpoint; -1: damaged. */
+static int64_t count_breaks(const h5_file *file) {
+  return h5_get_attr_i64(file, "/state", "n_breaks", -1);
 }
 
 int64_t checkpoint_count_contacts(const h5_file *file) {
@@ -109,7 +115,7 @@ const char *checkpoint_hash_of(const sd_state *state, char text[20]) {
 
 void checkpoint_put_state(h5_file *file, const sd_state *state) {
   char hash[20];
-  put_extents(file, state, state->n_contacts);
+  put_extents(file, state, state->n_contacts, state->n_breaks);
   put_columns(file, state, false);
   h5_attr_text(file, "/state", "hash", checkpoint_hash_of(state, hash));
 }
@@ -147,11 +153,11 @@ sd_status checkpoint_write(int folder, const char *path, const sd_state *state,
   summary_write(found, file);
   if (shares) {
     const sd_state sizes = state_sizes(shares->model);
-    put_extents(file, &sizes, shares->n_contacts);
+    put_extents(file, &sizes, shares->n_contacts, state->n_breaks);
     put_columns(file, state, true);
     h5_put_shares(file, shares->n, shares->sums);
   } else {
-    put_extents(file, state, state->n_contacts);
+    put_extents(file, state, state->n_contacts, state->n_breaks);
     put_columns(file, state, false);
     h5_attr_i64(file, "/state", "sum", (int64_t)checkpoint_sum_of(state));
   }
@@ -241,6 +247,7 @@ sd_status checkpoint_copy_state(h5_file *file, const h5_file *checkpoint, sd_mes
        e++)
     h5_attr_i64(file, "/state", e->name, h5_get_attr_i64(checkpoint, "/state", e->name, 0));
   h5_attr_i64(file, "/state", "n_contacts", checkpoint_count_contacts(checkpoint));
+  h5_attr_i64(file, "/state", "n_breaks", count_breaks(checkpoint));
   for (size_t k = 0; k < sd_field_count && status == SD_OK && !h5_failed(file); k++) {
     const sd_field *f = &sd_fields[k];
     size_t n;
@@ -460,6 +467,17 @@ static sd_status read_column(const h5_file *head, size_t before, size_t n_pieces
   return status;
 }
 
+/* Makes room in the state for the broken bonds in a file. */
+static sd_status reserve_breaks(const h5_file *head, sd_state *s, sd_messages *messages) {
+  const int64_t n = count_breaks(head);
+  if (n < 0 || n > UINT32_MAX)
+    return sd_fail(messages, SD_ERROR_IO, "the state is damaged: %lld broken bonds", (long long)n);
+  if (state_reserve_breaks(s, (size_t)n) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "no memory for %lld broken bonds", (long long)n);
+  s->n_breaks = (size_t)n;
+  return SD_OK;
+}
+
 /* Makes a state from the disks and contacts of n pieces (files of ranks, or ranges of rows), and
  * from all other data in `head`. before: number of rows of free disks in `head`; place: slot in the
  * state of each disk read, or NULL. */
@@ -479,6 +497,7 @@ static sd_status get_pieces(const h5_file *head, size_t before, const sd_model *
                : sd_fail(messages, SD_ERROR_IO, "no memory for the state");
   }
   if (s) s->n_contacts = status == SD_OK ? contacts : 0;
+  if (status == SD_OK) status = reserve_breaks(head, s, messages);
   for (size_t k = 0; status == SD_OK && k < sd_field_count; k++)
     status = read_column(head, before, n, list, &sd_fields[k], place, s, messages);
   if (status == SD_OK) return SD_OK;
@@ -493,6 +512,7 @@ static sd_status get_pieces(const h5_file *head, size_t before, const sd_model *
 static sd_status check_columns(const h5_file *file, const sd_model *model, sd_messages *messages) {
   sd_state sizes = state_sizes(model);
   sizes.n_contacts = (size_t)checkpoint_count_contacts(file);
+  sizes.n_breaks = (size_t)count_breaks(file);
   sd_status status = SD_OK;
   for (size_t k = 0; status == SD_OK && k < sd_field_count; k++) {
     char *path = format_text("/state/%s", sd_fields[k].name);

@@ -19,7 +19,7 @@
  * results have the names in io/store/members.c; 6: adds field_power; 7: adds visit_*.
  * CHECKPOINT_OF_PACKING is the oldest format from which a packing is read: a packing takes bodies
  * and contacts in any order and needs no fast_*, so formats 2 and 3 serve as well. */
-enum { CHECKPOINT_FORMAT = 10, CHECKPOINT_OF_PACKING = 2 };
+enum { CHECKPOINT_FORMAT = 11, CHECKPOINT_OF_PACKING = 2 };
 /* Returns the name that a column of the state (`name`, as in sd_fields) has in the format of this
  * file: an older name if the format is below 5, else `name`. */
 const char *checkpoint_column(const h5_file *file, const char *name);

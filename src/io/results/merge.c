@@ -11,6 +11,10 @@
 #include "io/results/trajectory.h"
 #include "io/store/file.h"
 #include "io/store/folder.h"
+#include "model/law_features.h"
+#include "model/model.h"
+#include "model/law_features.h"
+#include "model/model.h"
 
 /* Rows are copied in blocks of at most this many bytes. */
 enum { PIECE_BYTES = 32 << 20 };
@@ -127,6 +131,35 @@ static sd_status write_offsets(h5_file *out, size_t n, sd_messages *messages) {
   return status;
 }
 
+/* Writes the table /breaks: the columns of broken bonds in /state, and their times. */
+static sd_status write_breaks(const merge_job *job, h5_file *out, sd_messages *messages) {
+  static const char *const columns[][2] = {
+      {"/breaks/step", "/state/break_step"},    {"/breaks/a", "/state/break_a"},
+      {"/breaks/b", "/state/break_b"},          {"/breaks/x", "/state/break_x"},
+      {"/breaks/y", "/state/break_y"},          {"/breaks/mode", "/state/break_mode"},
+      {"/breaks/energy", "/state/break_energy"}};
+  const int64_t rows = h5_get_attr_i64(out, "/state", "n_breaks", 0);
+  const size_t n = rows > 0 ? (size_t)rows : 0;
+  sd_status status = SD_OK;
+  int64_t *step = h5_column(out, "/state/break_step", SD_I64, n, &status, messages);
+  double *time = NULL;
+  if (status == SD_OK && !memory_row(&time, n, sizeof *time))
+    status = sd_fail(messages, SD_ERROR_IO, "no memory for %zu broken bonds", n);
+  if (status == SD_OK) {
+    for (size_t k = 0; k < n; k++) time[k] = (double)step[k] * job->model->dt;
+    h5_group(out, "/breaks");
+    h5_attr_text(out, "/breaks", "description", "bonds that have broken, in the order of steps");
+    for (size_t k = 0; k < sizeof columns / sizeof *columns; k++)
+      h5_link(out, columns[k][1], columns[k][0]);
+    h5_put(out, "/breaks/time", SD_F64, 1, &n, time, false);
+    h5_attr_text(out, "/breaks/time", "unit", "time");
+    h5_attr_text(out, "/breaks/time", "description", "time of the step");
+  }
+  free(step);
+  free(time);
+  return status;
+}
+
 /* Writes everything into the result except the rows of tables. */
 static sd_status write_rest(const merge_job *job, h5_file *out, sd_messages *messages) {
   sd_status status = SD_OK;
@@ -140,6 +173,8 @@ static sd_status write_rest(const merge_job *job, h5_file *out, sd_messages *mes
     status = constants_write(out, job->model, &(constants_source){job->state, job->checkpoint},
                              messages);
   series_write_columns(out, job->model);
+  if (status == SD_OK && laws_features(job->model) & LAW_BOND)
+    status = write_breaks(job, out, messages);
   return status;
 }
 

@@ -8,7 +8,7 @@
  *   zeta = lambda - lambda*; lambda* is shifted so that |zeta| <= mu F_n / k_t
  *   tau  = -k_t zeta
  *
- * Further parts of a law (law_tangential.h, law_rolling.h, law_radius.h, model/law_cohesion.h)
+ * Further parts of a law (law_tangential.h, law_rolling.h, law_bond.h, law_radius.h, model/law_cohesion.h)
  * are evaluated if their bit is set in `features` (model/law_features.h). In passes over plain laws
  * features is the constant 0; in passes over general laws it is the same number for all pairs.
  *
@@ -215,6 +215,7 @@ typedef struct LANE(contact_output) {
   LANE(real) rolling, bridge;
 } LANE(contact_output);
 
+#include "physics/contact/law_bond.h"
 #include "physics/contact/law_radius.h"
 #include "physics/contact/law_rolling.h"
 #include "physics/contact/law_tangential.h"
@@ -230,13 +231,16 @@ LANE_INLINE LANE(mask) LANE(contact_is_deep)(const LANE(pair_geometry) * g, LANE
 
 /* True for contacts that are closed after the step. With cohesion a contact begins when the gap
  * between the surfaces falls below k->begins and ends when it exceeds k->ends; without, it begins
- * and ends at zero overlap. */
+ * and ends at zero overlap. A bond keeps it closed. m: record after bond_step. */
 LANE_INLINE LANE(mask)
     LANE(contact_touches)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                          LANE(mask) was_closed, const unsigned features) {
+                          const LANE(contact_memory) * m, LANE(mask) was_closed,
+                          const unsigned features) {
   LANE(real) gap = LANE(splat)(0.0);
   if (features & LAW_COHESION) gap = LANE(select)(was_closed, k->ends, k->begins);
-  return LANE(greater)(g->reach, -gap);
+  LANE(mask) touches = LANE(greater)(g->reach, -gap);
+  if (features & LAW_BOND) touches = touches | LANE(greater)(m->bond, LANE(splat)(0.0));
+  return touches;
 }
 
 /* False if the two centres coincide: there is then no normal, and the pair is treated as open. */
@@ -254,7 +258,8 @@ LANE_INLINE LANE(real) LANE(normal_energy)(const LANE(contact_constants) * k, LA
          LANE(cohesion_energy)(&attraction, reach);
 }
 
-/* Computes the normal force of contacts, some of which may be held at a gap by cohesion. Updates
+/* Computes the normal force of contacts, some of which may be held at a gap by cohesion or a
+ * bond. Updates
  * m->force, m->pull and m->overlap, and sets out->viscous. *limit: set to the force that, times mu,
  * limits friction: the normal force without attraction, at least 0. If the overlap of a closed
  * contact changes sign within the step, the trapezoidal work is inexact; its difference from the
@@ -286,7 +291,7 @@ LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g,
   LANE(real) before_damping = m->force - LANE(law_elastic)(k, was_deep, features);
   if (features & LAW_COHESION) before_damping = before_damping + m->pull;
   out->viscous = half * (before_damping + (push - elastic)) * way;
-  if (features & LAW_COHESION) {
+  if (features & LAW_GAP) {
     const LANE(mask) crossed = closed & (LANE(greater)(was, zero) ^ deep);
     if (__builtin_expect(LANE(any)(crossed), 0))
       out->viscous = LANE(select)(
@@ -310,6 +315,7 @@ LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g,
   const LANE(real) torn = paper ? m->tau * m->overlap : zero;
   LANE(real) limit, was = m->overlap, now;
   LANE(normal_history)(g, k, touching, closed, features, m, out, &limit);
+  if (features & LAW_BOND) limit = LANE(select)(LANE(bond_is_alone)(k, m), zero, limit);
   now = m->overlap;
   m->overlap = was;
   LANE(tangential_history)(g, k, touching, LANE(max)(now, zero), limit, features, m, out);
@@ -317,7 +323,8 @@ LANE_INLINE void LANE(general_history)(const LANE(pair_geometry) * g,
   out->work = paper ? half * (torn + m->tau * m->overlap) * (g->turned - m->turned) : zero;
   m->turned = paper ? g->turned : zero;
   /* surfaces at a gap do not slide, so the next step uses the static mu, not mu_kinetic */
-  if (features & LAW_COHESION) out->slip = LANE(mask_zero)(LANE(greater)(now, zero), out->slip);
+  if (features & LAW_GAP) out->slip = LANE(mask_zero)(LANE(greater)(now, zero), out->slip);
+  if (features & LAW_BOND) out->slip = LANE(select)(LANE(bond_is_alone)(k, m), zero, out->slip);
   if (!(features & LAW_ROLLING)) return;
   LANE(rolling_history)(g, k, touching, limit, m, out);
   out->couple = m->roll * g->arm;
@@ -401,16 +408,20 @@ LANE_INLINE LANE(real) LANE(since_touch)(const LANE(pair_geometry) * g, LANE(rea
 }
 
 /* True for contacts that begin in this step, and for contacts that were closed at a gap by the
- * attraction of their law and whose surfaces touch in this step. before: record before the step. */
+ * attraction of their law or a bond and whose surfaces touch in this step. before: record before
+ * the step. */
 LANE_INLINE LANE(mask)
     LANE(surfaces_meet)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                         const LANE(contact_memory) * before, LANE(mask) touching,
                         LANE(mask) was_closed, const unsigned features) {
   const LANE(mask) begun = touching & LANE(not )(was_closed);
-  if (!(features & LAW_COHESION)) return begun;
+  if (!(features & LAW_GAP)) return begun;
   const LANE(real) zero = LANE(splat)(0.0);
-  return begun | (touching & was_closed & LANE(greater)(k->ends, zero) &
-                  LANE(not )(LANE(greater)(before->overlap, zero)) & LANE(greater)(g->reach, zero));
+  LANE(mask)
+  met = touching & was_closed & LANE(not )(LANE(greater)(before->overlap, zero)) &
+        LANE(greater)(g->reach, zero);
+  if (!(features & LAW_BOND)) met = met & LANE(greater)(k->ends, zero);
+  return begun | met;
 }
 
 /* Initialises the contacts whose surfaces touch in this step (mask `meet`); call it before
@@ -527,7 +538,7 @@ LANE_INLINE void LANE(contact_begin_end)(const LANE(pair_geometry) * g,
   out->viscous =
       LANE(select)(begun, done - stored, LANE(select)(opened, stored - done, out->viscous));
   /* this replaces out->viscous; the losses of the dashpots are added to it below */
-  if (features & LAW_COHESION) {
+  if (features & LAW_GAP) {
     const LANE(real) met = half * (before->force + m->force) * (m->overlap - before->overlap) -
                            (LANE(normal_energy)(k, m->overlap, features) - stored);
     out->viscous = LANE(select)(meet & was_closed, met, out->viscous);

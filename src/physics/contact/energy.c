@@ -52,6 +52,9 @@ static sd_energy of_disk(const engine *e, size_t i) {
   if (s->law_columns) {
     u.rolling = s->past_rolling[i];
     u.bridge = s->loss_bridge[i];
+    u.broken_tension = s->broken_tension[i];
+    u.broken_shear = s->broken_shear[i];
+    u.broken_bending = s->broken_bending[i];
   }
   return u;
 }
@@ -62,6 +65,7 @@ static sd_energy of_contact(const engine *e, size_t k) {
   return (sd_energy){.elastic_normal = u.normal,
                      .elastic_tangential = u.tangential,
                      .elastic_rolling = u.rolling,
+                     .elastic_bond = u.bond,
                      .cohesion = u.cohesion,
                      .rolling = p->more ? MORE(p, k, rolling) : 0.0,
                      .viscous = PAIR(p, k, viscous),
@@ -117,9 +121,11 @@ static sd_energy budget_of(const sd_state *s, const energy_sums *exact) {
    * collision, with the kinetic energy; for a system at rest, with the rounding error of the stored
    * energies. */
   double done = fabs(sum.work) + fabs(sum.viscous) + fabs(sum.friction) + fabs(sum.rolling) +
-                fabs(sum.bridge) + fabs(sum.opening) + fabs(sum.drag) + fabs(sum.damping) +
-                fabs(sum.relaxed);
-  double rounding = 1e-9 * (sum.elastic_normal + sum.elastic_tangential + fabs(sum.external));
+                fabs(sum.bridge) + fabs(sum.opening) + fabs(sum.broken_tension) +
+                fabs(sum.broken_shear) + fabs(sum.broken_bending) + fabs(sum.drag) +
+                fabs(sum.damping) + fabs(sum.relaxed);
+  double rounding =
+      1e-9 * (sum.elastic_normal + sum.elastic_tangential + sum.elastic_bond + fabs(sum.external));
   sum.scale = math_max(done, math_max(sum.kinetic_translation + sum.kinetic_rotation, rounding));
   return sum;
 }

@@ -20,13 +20,13 @@ sd_energy energy_of_part(const engine *e);
  * (external). */
 static inline double energy_total(const sd_energy *e) {
   return e->kinetic_translation + e->kinetic_rotation + e->elastic_normal + e->elastic_tangential +
-         e->elastic_rolling + e->cohesion + e->external;
+         e->elastic_rolling + e->elastic_bond + e->cohesion + e->external;
 }
 
 /* Returns the sum of all losses in an energy budget. */
 static inline double energy_lost(const sd_energy *e) {
-  return e->viscous + e->friction + e->rolling + e->bridge + e->opening + e->drag + e->damping +
-         e->relaxed;
+  return e->viscous + e->friction + e->rolling + e->bridge + e->opening + e->broken_tension +
+         e->broken_shear + e->broken_bending + e->drag + e->damping + e->relaxed;
 }
 
 /* Energy losses of contacts. They are summed for each contact while it is closed, and for each body

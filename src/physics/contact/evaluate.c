@@ -54,6 +54,20 @@ contact_geometry contact_geometry_of(const engine *e, size_t k) {
   return (contact_geometry){g.nx, g.ny, g.reach, g.lambda, g.turned};
 }
 
+/* Returns the elastic energy of the bond of pair k. rho: rolling displacement R_eff (theta_a -
+ * theta_b). */
+static double bond_energy_of(const engine *e, size_t k, double delta, double lambda, double rho) {
+  const pairs *p = &e->work.pairs;
+  const double ra = e->state->radius[p->a[k]], rb = e->state->radius[p->b[k]];
+  const double arm = walls_arm(ra, pairs_is_segment(p, k) ? joints_radius(e, k) : rb);
+  const sd_contact_law l =
+      bond_law_at(&e->model->laws[PAIR(p, k, law)], ra, pairs_is_segment(p, k) ? 0.0 : rb, arm);
+  const double normal = MORE(p, k, bond_overlap) - delta, shear = lambda - MORE(p, k, bond_lambda),
+               bend = rho - MORE(p, k, bond_rho);
+  return 0.5 *
+         (l.bond_k_n * normal * normal + l.bond_k_t * shear * shear + l.bond_k_r * bend * bend);
+}
+
 /* Sets the energies in *u that only general laws have: cohesion, rolling, and the tangential
  * energy with Mindlin's law of stiffness k_t. delta, lambda, rho: values at the corrected
  * coordinates; with Gear's integrator forces were evaluated at other coordinates, the predicted
@@ -69,6 +83,8 @@ static void energies_of_general(const engine *e, size_t k, double k_t, double de
                          .broken = l->broken};
   u->cohesion = cohesion_energy_w1(&c, delta);
   u->rolling = 0.5 * l->k_r * rho * rho;
+  if (MORE(p, k, bond) > 0.0)
+    u->bond = bond_energy_of(e, k, delta, lambda, rho + MORE(p, k, rho_ref));
   if (l->mindlin == 0.0) return;
   /* y = sqrt(K) zeta, where the tangential energy is y^2/2 (law_tangential.h): the value when
    * forces were evaluated, plus its change since then */

@@ -51,7 +51,7 @@ double contact_rho_of(const engine *e, size_t pair);
 /* Energies stored in a closed contact by the normal force, the tangential force, rolling resistance
  * and cohesion; the last one is at most 0. */
 typedef struct contact_energies {
-  double normal, tangential, rolling, cohesion;
+  double normal, tangential, rolling, cohesion, bond;
 } contact_energies;
 /* Returns the energies stored in a closed contact at the present coordinates. */
 contact_energies contact_energies_of(const engine *e, size_t pair);

@@ -1,9 +1,12 @@
-/* law_radius.h: stiffnesses that depend on the effective radius of a contact, those of laws with
- * E_star; contact_step.h includes it once per LANE_WIDTH.
+/* law_radius.h: stiffnesses that depend on the radii of a contact, those of laws with E_star and of
+ * bonds with bond_E; contact_step.h includes it once per LANE_WIDTH.
  *
  *   k_n = 4/3 E* sqrt(R_eff), k_t = k_n 3 (1 - nu)/(2 - nu), R_eff = R_a R_b/(R_a + R_b)
  *
- * (Johnson, Contact Mechanics, sections 4.2 and 7.2). The table of laws has the values for
+ *   bonds of length L = R_a + R_b: k_n = E width/L, k_t = k_n/(2 (1 + nu)),
+ *   k_r = E width^3/(12 L R_eff^2)
+ *
+ * (Johnson, Contact Mechanics, sections 4.2 and 7.2; an elastic beam). The table of laws has the values for
  * R_eff = 1; law_at (model/normal_laws.h) does the same for single contacts. */
 
 /* Returns 1/(ra + rb), or 1 if the sum is 0, as for padding pairs. */
@@ -32,4 +35,16 @@ LANE_INLINE void LANE(scale_by_radius)(LANE(real) arm, LANE(contact_constants) *
   k->cap = k->cap / tangential;
   k->cap_kinetic = k->cap_kinetic / tangential;
   k->dashpot_ratio = k->dashpot_ratio / tangential;
+}
+
+/* Divides the stiffnesses of bonds that are beams by their length, and the rolling stiffness by
+ * R_eff^2 (arm), too. */
+LANE_INLINE void LANE(scale_by_length)(LANE(real) length, LANE(real) arm,
+                                       LANE(contact_constants) * k) {
+  const LANE(real) zero = LANE(splat)(0.0), one = LANE(splat)(1.0);
+  const LANE(mask) beam = LANE(greater)(k->is_beam, zero) & LANE(greater)(length, zero);
+  const LANE(real) along = 1.0 / LANE(select)(beam, length, one);
+  k->bond_k_n = k->bond_k_n * along;
+  k->bond_k_t = k->bond_k_t * along;
+  k->bond_k_r = k->bond_k_r * (along / LANE(select)(beam, arm * arm, one));
 }

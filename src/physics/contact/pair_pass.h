@@ -125,6 +125,13 @@ LANE_INLINE LANE(contact_constants)
                             LANE(gather)(radius, at.b->packed_b + at.l)),
      &k);
   }
+  if (__builtin_expect(features & LAW_BEAM, 0)) {
+    const double *radius = w->packed + PACKED_RADIUS;
+    const LANE(real) ra = LANE(gather)(radius, at.b->packed_a + at.l),
+                     rb = LANE(gather)(radius, at.b->packed_b + at.l);
+    LANE(scale_by_length)
+    (ra + LANE(max)(rb, LANE(splat)(0.0)), LANE(effective_radius)(ra, rb), &k);
+  }
   return k;
 }
 
@@ -242,13 +249,21 @@ LANE_INLINE void LANE(turning)(const work *w, LANE(location) at, const unsigned 
 /* Appends a rare event for each pair in the lanes `which`. Events are handled after all pairs have
  * been evaluated. */
 LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, LANE(location) at, LANE(mask) which,
-                            LANE(mask) was_closed, LANE(real) dropped) {
-  double drop[LANE_WIDTH];
+                            LANE(mask) was_closed, LANE(real) dropped, const unsigned features,
+                            const LANE(bond_output) * bond) {
+  double drop[LANE_WIDTH], mode[LANE_WIDTH] = {0}, broken[LANE_WIDTH] = {0};
   LANE(store)(drop, dropped);
+  if (features & LAW_BOND) {
+    LANE(store)(mode, bond->mode);
+    LANE(store)(broken, bond->broken);
+  }
   for (size_t l = 0; l < LANE_WIDTH; l++)
     if (LANE(lane_is)(which, (int)l))
       event_add_pair(&mine->events, p, (size_t)(at.b - p->block) * PAIR_BLOCK + at.l + l,
-                     LANE(lane_is)(was_closed, (int)l), drop[l]);
+                     &(event){.was_closed = LANE(lane_is)(was_closed, (int)l),
+                              .dropped = drop[l],
+                              .broken = broken[l],
+                              .mode = (int)mode[l]});
 }
 
 /* Computes the first part of the geometry of a vector of pairs of round bodies, up to 1/r. In a
@@ -362,28 +377,33 @@ LANE(contact_evaluate_slow)(engine *e, thread_work *mine, LANE(location) at,
     LANE(load_more)(LANE(more_of)(w, at), at.l, features, slides_at(flags, at.l), &m);
   m.ex = LANE(load)(b->ex + at.l);
   m.ey = LANE(load)(b->ey + at.l);
+  g->slide = LANE(slide_of)(e, at, kind, g);
+  LANE(bond_output) bond;
+  LANE(bond_step)(g, &k, LANE(has_direction)(g), paper, features, &m, &bond);
   before = m;
   const LANE(mask) touching =
-      LANE(contact_touches)(g, &k, was_closed, features) & LANE(has_direction)(g);
+      LANE(contact_touches)(g, &k, &m, was_closed, features) & LANE(has_direction)(g);
   const LANE(mask) closed = touching & was_closed;
-  g->slide = LANE(slide_of)(e, at, kind, g);
   LANE(contact_begin)
   (g, &k, LANE(surfaces_meet)(g, &k, &before, touching, was_closed, features), LANE(splat)(w->dt),
    features, &m);
-  LANE(contact_step)
-  (g, &k, touching, closed, paper ? LANE(splat)(1.0) : g->lever, paper, features, &m, &out);
+  LANE(contact_history)(g, &k, touching, closed, paper, features, &m, &out);
   LANE(contact_begin_end)
   (g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, at, g->nx, g->ny), features,
    &before, &m, &out);
+  if (features & LAW_BOND) LANE(bond_add)(g, &bond, &m, &out);
+  LANE(contact_force)(g, &k, paper ? LANE(splat)(1.0) : g->lever, features, &m, &out);
 
   LANE(real) of_a[4], of_b[4];
   LANE(gather4)(w->packed, b->packed_a + at.l, of_a);
   LANE(gather4)(w->packed, b->packed_b + at.l, of_b);
   LANE(real) rb = of_b[PACKED_RADIUS], smaller = LANE(min)(of_a[PACKED_RADIUS], LANE(max)(rb, -rb));
   const LANE(mask) which = (touching ^ was_closed) |
-                           (LANE(contact_is_deep)(g, e->work.max_overlap * smaller) & touching);
+                           (LANE(contact_is_deep)(g, e->work.max_overlap * smaller) & touching) |
+                           bond.breaks;
   if (features & LAW_BRIDGE) out.dropped = out.dropped + out.bridge;
-  if (LANE(any)(which)) LANE(note)(&w->pairs, mine, at, which, was_closed, out.dropped);
+  if (LANE(any)(which))
+    LANE(note)(&w->pairs, mine, at, which, was_closed, out.dropped, features, &bond);
   LANE(scatter)(w->sums.row, at, &out);
   LANE(store_memory)(at, paper, &m, &out);
   if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, &m, &out);
@@ -428,11 +448,16 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
     k = LANE(constants_for)(w, at, kind, features);
     LANE(turning)(w, at, features, d, &g);
   }
-  const LANE(mask) touching = kind & PASS_GENERAL
-                                  ? LANE(contact_touches)(&g, &k, LANE(mask_of)(closed), features)
-                                  : LANE(greater)(g.reach, LANE(splat)(0.0));
   LANE(mask) rare = LANE(contact_is_deep)(&g, constants->limit);
-  if (kind & PASS_GENERAL && features & LAW_COHESION)
+  LANE(bond_output) bond;
+  if (kind & PASS_GENERAL) {
+    LANE(bond_step)(&g, &k, LANE(all_lanes)(1), paper, features, &m, &bond);
+    rare = rare | bond.breaks;
+  }
+  const LANE(mask) touching =
+      kind & PASS_GENERAL ? LANE(contact_touches)(&g, &k, &m, LANE(mask_of)(closed), features)
+                          : LANE(greater)(g.reach, LANE(splat)(0.0));
+  if (kind & PASS_GENERAL && features & LAW_GAP)
     rare = rare | LANE(surfaces_meet)(&g, &k, &m, touching, LANE(mask_of)(closed), features);
   if (__builtin_expect(LANE(bits_of)(touching) != closed || LANE(any)(rare), 0)) {
     LANE(contact_evaluate_slow)(e, mine, at, &g, kind);
@@ -445,6 +470,7 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
   LANE(contact_output) out;
   if (!(kind & PASS_GENERAL)) LANE(load_memory)(at, paper, &m);
   LANE(contact_history)(&g, &k, touching, touching, paper, features, &m, &out);
+  if (kind & PASS_GENERAL && features & LAW_BOND) LANE(bond_add)(&g, &bond, &m, &out);
   LANE(store_memory)(at, paper, &m, &out);
   if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, &m, &out);
   LANE(set_slides)(flags, at.l, out.slip);

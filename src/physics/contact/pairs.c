@@ -113,12 +113,12 @@ void crossing_add(crossing_list *list, const crossing *c) {
     list->failed = true;
 }
 
-void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed, double dropped) {
+void event_add_pair(event_list *list, const pairs *p, size_t k, const event *v) {
   assert(k < p->count && p->a[k] != PAIR_PADDING);
-  event *v = event_add(list, (uint32_t)k);
-  if (!v) return;
-  v->dropped = dropped;
-  v->was_closed = was_closed;
+  event *added = event_add(list, (uint32_t)k);
+  if (!added) return;
+  *added = *v;
+  added->index = (uint32_t)k;
 }
 
 /* --- from one list to the next ---------------------------------------------------------------- */

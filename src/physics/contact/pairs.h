@@ -74,6 +74,17 @@ void pairs_set_flags(pairs *p, size_t k, bool closed, int slide_sign);
 sd_contact_record pairs_record(const pairs *p, size_t k);
 void pairs_set_record(pairs *p, size_t k, const sd_contact_record *record);
 
+/* Adds the length `by` to the values from which tangential (pairs_shift_lambda) or rolling
+ * displacements (pairs_shift_rho) of closed pair k are measured, those of a bond included. */
+static inline void pairs_shift_lambda(pairs *p, size_t k, double by) {
+  PAIR(p, k, lambda_ref) += by;
+  if (p->more && MORE(p, k, bond) > 0.0) MORE(p, k, bond_lambda) += by;
+}
+static inline void pairs_shift_rho(pairs *p, size_t k, double by) {
+  MORE(p, k, rho_ref) += by;
+  if (MORE(p, k, bond) > 0.0) MORE(p, k, bond_rho) += by;
+}
+
 /* --- rare events ------------------------------------------------------------------------------ */
 
 /* Appends an event. index: a pair, or the slot of a disk. Returns the new item, which the caller
@@ -82,8 +93,7 @@ event *event_add(event_list *list, uint32_t index);
 /* Appends a contact that crosses the edge of a deforming box. Sets list->failed if memory runs
  * out. */
 void crossing_add(crossing_list *list, const crossing *c);
-/* Appends an event for pair k. was_closed: true if it was closed before the step; dropped: energy
- * lost by it (event.dropped). */
-void event_add_pair(event_list *list, const pairs *p, size_t k, bool was_closed, double dropped);
+/* Appends event `v` for pair k, with its index. */
+void event_add_pair(event_list *list, const pairs *p, size_t k, const event *v);
 
 #endif

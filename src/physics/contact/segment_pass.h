@@ -11,7 +11,7 @@ typedef struct LANE(nearest_points) {
   double flat[LANE_WIDTH];
   /* side of the wall, +1 or -1; for a closed contact the side on which it began */
   double side[LANE_WIDTH];
-  double slide[LANE_WIDTH]; /* dlambda/dt; 0 if no contact law has a tangential dashpot */
+  double slide[LANE_WIDTH]; /* dlambda/dt; 0 if no law has a tangential dashpot or a bond */
   /* Displacement from the wall to its periodic image nearest to the disk; 0 if it has no images. */
   double shift_x[LANE_WIDTH], shift_y[LANE_WIDTH];
   bool crossed; /* true if q[l].crossed is true for some lane l */
@@ -78,7 +78,7 @@ LANE_INLINE LANE(mask) LANE(nearest_of)(const engine *e, size_t at, LANE(pair_in
     found->side[l] = q.side;
     found->flat[l] = q.flat ? walls_lever(g, &q, s->radius[a]) : 0.0;
     found->slide[l] = 0.0;
-    if (e->work.features & LAW_DASHPOT)
+    if (e->work.features & (LAW_DASHPOT | LAW_BOND))
       found->slide[l] = LANE(slide_on)(e, at + l, &q, found->flat[l], row[DVX][l], row[DVY][l]);
     found->crossed |= q.crossed;
     found->q[l] = q;
@@ -103,8 +103,8 @@ LANE_INLINE void LANE(scatter_segments)(engine *e, size_t at, const LANE(nearest
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const unsigned features = e->work.features;
-  double fx[LANE_WIDTH], fy[LANE_WIDTH], tau[LANE_WIDTH], couple[LANE_WIDTH],
-      *row = e->work.sums.row;
+  double fx[LANE_WIDTH], fy[LANE_WIDTH], tau[LANE_WIDTH], couple[LANE_WIDTH] = {0},
+                                                          *row = e->work.sums.row;
   if (features & LAW_ROLLING) LANE(store)(couple, out->couple);
   LANE(store)(fx, out->fx);
   LANE(store)(fy, out->fy);
@@ -134,7 +134,7 @@ LANE_INLINE void LANE(store_sides)(pairs *p, thread_work *mine, size_t at, LANE(
   LANE(store)(p->side + at, LANE(mask_zero)(touching, LANE(load)(found->side)));
   for (size_t l = 0; found->crossed && l < LANE_WIDTH; l++)
     if (found->q[l].crossed && LANE(lane_is)(closed, (int)l))
-      event_add_pair(&mine->events, p, at + l, true, 0.0);
+      event_add_pair(&mine->events, p, at + l, &(event){.was_closed = true});
 }
 
 /* Returns R_eff of the disk and the wall segment of pair k. An arc counts as a round wall. */
@@ -181,10 +181,22 @@ LANE_INLINE LANE(mask) LANE(closed_before)(const pairs *p, size_t at) {
 
 /* Returns the mask of the lanes whose contact would stay closed if it were closed now; whether it
  * is does not matter here. */
-LANE_INLINE LANE(mask) LANE(lasts)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
-                                   LANE(mask) active, const unsigned features) {
-  return LANE(contact_touches)(g, k, LANE(all_lanes)(1), features) & active &
+LANE_INLINE LANE(mask)
+    LANE(lasts)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
+                const LANE(contact_memory) * m, LANE(mask) active, const unsigned features) {
+  return LANE(contact_touches)(g, k, m, LANE(all_lanes)(1), features) & active &
          LANE(has_direction)(g);
+}
+
+/* Loads the records of LANE_WIDTH pairs with wall segments. */
+LANE_INLINE void LANE(load_on_walls)(const work *w, size_t at, LANE(location) here,
+                                     LANE(contact_memory) * m) {
+  unsigned slides = 0;
+  for (size_t l = 0; l < LANE_WIDTH; l++)
+    slides |= (pairs_slide_sign(&w->pairs, at + l) != 0 ? 1u : 0u) << l;
+  LANE(load_memory)(here, 0, m);
+  if (w->features & LAW_GENERAL)
+    LANE(load_more)(LANE(more_of)(w, here), here.l, w->features, slides, m);
 }
 
 LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(location) here,
@@ -195,13 +207,18 @@ LANE_INLINE void LANE(constants_on_wall)(const engine *e, size_t at, LANE(locati
   LANE(constants_general)(w, here.b->law + here.l, features, k);
   if (features & LAW_NORMAL) { /* m_eff is the disk's mass, since the wall's is infinite */
     const double *masses = w->clumps.count ? w->clumps.contact_mass : e->state->mass;
-    double mass[LANE_WIDTH], arm[LANE_WIDTH];
+    double mass[LANE_WIDTH];
     for (size_t l = 0; l < LANE_WIDTH; l++) mass[l] = masses[w->pairs.a[at + l]];
     k->tsuji = k->tsuji * LANE(sqrt)(LANE(load)(mass) * k->k_n);
-    if (__builtin_expect(!(features & LAW_RADIUS), 1)) return;
-    for (size_t l = 0; l < LANE_WIDTH; l++) arm[l] = LANE(arm_on_wall)(e, at + l, found->side[l]);
-    LANE(scale_by_radius)(LANE(load)(arm), k);
   }
+  if (__builtin_expect(!(features & (LAW_RADIUS | LAW_BEAM)), 1)) return;
+  double arm[LANE_WIDTH], radius[LANE_WIDTH];
+  for (size_t l = 0; l < LANE_WIDTH; l++) {
+    arm[l] = LANE(arm_on_wall)(e, at + l, found->side[l]);
+    radius[l] = e->state->radius[w->pairs.a[at + l]];
+  }
+  if (features & LAW_RADIUS) LANE(scale_by_radius)(LANE(load)(arm), k);
+  if (features & LAW_BEAM) LANE(scale_by_length)(LANE(load)(radius), LANE(load)(arm), k);
 }
 
 /* Returns dlambda/dt of all lanes. It is needed only when a contact begins, so it is not
@@ -240,28 +257,28 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   LANE(constants_on_wall)(e, at, here, &found, features, &k);
   LANE(pair_geometry) g = LANE(pair_geometry_of)(&in);
   LANE(mask) was_closed = LANE(closed_before)(&w->pairs, at);
-  const LANE(mask) changes = was_closed ^ LANE(lasts)(&g, &k, active, features);
+  LANE(contact_memory) m, before;
+  LANE(load_on_walls)(w, at, here, &m);
+  const LANE(mask) changes = was_closed ^ LANE(lasts)(&g, &k, &m, active, features);
   if (LANE(any)(changes) &&
       LANE(transfer_records)(e, at, LANE(bits_of)(changes), LANE(bits_of)(was_closed))) {
     was_closed = LANE(closed_before)(&w->pairs, at);
     active = LANE(nearest_of)(e, at, &in, &found);
-    if (features & LAW_RADIUS) LANE(constants_on_wall)(e, at, here, &found, features, &k);
+    if (features & (LAW_RADIUS | LAW_BEAM))
+      LANE(constants_on_wall)(e, at, here, &found, features, &k);
     g = LANE(pair_geometry_of)(&in);
+    LANE(load_on_walls)(w, at, here, &m);
   }
-  if (features & LAW_DASHPOT) g.slide = LANE(load)(found.slide);
+  if (features & (LAW_DASHPOT | LAW_BOND)) g.slide = LANE(load)(found.slide);
   if (features & LAW_ROLLING) LANE(rolled_on)(e, at, &found, &g);
-  unsigned slides = 0;
-  for (size_t l = 0; l < LANE_WIDTH; l++)
-    slides |= (pairs_slide_sign(&w->pairs, at + l) != 0 ? 1u : 0u) << l;
-  LANE(contact_memory) m, before;
   LANE(contact_output) out;
-  LANE(load_memory)(here, 0, &m);
-  if (features & LAW_GENERAL) LANE(load_more)(LANE(more_of)(w, here), here.l, features, slides, &m);
   m.ex = in.ex;
   m.ey = in.ey;
+  LANE(bond_output) bond;
+  LANE(bond_step)(&g, &k, active & LANE(has_direction)(&g), 0, features, &m, &bond);
   before = m;
   const LANE(mask) touching =
-      LANE(contact_touches)(&g, &k, was_closed, features) & active & LANE(has_direction)(&g);
+      LANE(contact_touches)(&g, &k, &m, was_closed, features) & active & LANE(has_direction)(&g);
   const LANE(mask) closed = touching & was_closed;
   /* On walls the tangential force always derives from the tangential energy, since the paper's
    * variant is not defined for walls. */
@@ -272,19 +289,20 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
     g.slide = LANE(slide_on_walls)(e, at, &in, &found);
     LANE(contact_begin)(&g, &k, meet, LANE(splat)(w->dt), features, &m);
   }
-  LANE(contact_step)
-  (&g, &k, touching, closed, LANE(select)(flat, lever, g.lever), 0, features, &m, &out);
+  LANE(contact_history)(&g, &k, touching, closed, 0, features, &m, &out);
   const LANE(mask) deep = LANE(contact_is_deep)(&g, e->work.max_overlap * in.sum) & touching;
-  const LANE(mask) rare = (touching ^ was_closed) | deep;
+  const LANE(mask) rare = (touching ^ was_closed) | deep | bond.breaks;
   if (LANE(any)(rare | meet)) {
     LANE(contact_begin_end)
     (&g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, here, g.nx, g.ny), features,
      &before, &m, &out);
     if (features & LAW_BRIDGE) out.dropped = out.dropped + out.bridge;
-    LANE(note)(&w->pairs, mine, here, rare, was_closed, out.dropped);
+    LANE(note)(&w->pairs, mine, here, rare, was_closed, out.dropped, features, &bond);
     LANE(store)(here.b->ex + here.l, m.ex);
     LANE(store)(here.b->ey + here.l, m.ey);
   }
+  if (features & LAW_BOND) LANE(bond_add)(&g, &bond, &m, &out);
+  LANE(contact_force)(&g, &k, LANE(select)(flat, lever, g.lever), features, &m, &out);
   LANE(scatter_segments)(e, at, &found, &out);
   LANE(store_memory)(here, 0, &m, &out);
   if (features & LAW_GENERAL) LANE(store_more)(LANE(more_of)(w, here), here.l, features, &m, &out);

@@ -274,12 +274,12 @@ double joints_radius(const engine *e, size_t k) {
 
 /* Returns true if the contact of pair k would stay closed at the present coordinates, by the same
  * test as contact_touches in contact_step.h. */
-static bool holds(const engine *e, size_t k) {
+static bool holds(const engine *e, size_t k, bool bonded) {
   const pairs *p = &e->work.pairs;
   const nearest_point q = nearest_on(e, k);
   const double r = sqrt(math_max(q.dx * q.dx + q.dy * q.dy, 1e-280));
   return joints_active(e, k, placed(e, k), &q) &&
-         e->state->radius[p->a[k]] - r > -e->work.laws[PAIR(p, k, law)].ends;
+         (bonded || e->state->radius[p->a[k]] - r > -e->work.laws[PAIR(p, k, law)].ends);
 }
 
 sd_contact_law contact_law_of(const engine *e, size_t k) {
@@ -301,7 +301,8 @@ static double energy_on(const engine *e, size_t k, const sd_contact_record *r) {
 /* Moves the record of a closed contact from pair `from` to pair `to`, through joint j.
  * lambda_ref is adjusted so that lambda - lambda* stays the same, although the arc length
  * differs on the two segments (its sign changes if they run in opposite directions). rho_ref is
- * adjusted so that the rolling displacement stays the same if R_eff changes. If the stiffness
+ * adjusted so that the rolling displacement stays the same if R_eff changes; likewise the references
+ * of a bond. If the stiffness
  * depends on R_eff, the elastic energy changes at the joint of an arc; the difference counts as
  * viscous loss. */
 static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
@@ -316,13 +317,20 @@ static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
    * too */
   const bool ahead = j->from_end != j->to_end || (b == c && j->from->piece != j->to->piece);
   const double side = ahead ? p->side[from] : -p->side[from];
-  record.lambda_ref +=
+  const double arcs =
       side * walls_arc_at(j->to, j->to_end) - p->side[from] * walls_arc_at(j->from, j->from_end);
-  record.lambda_ref -= body_surface(s, c) - body_surface(s, b);
+  const double surfaces = body_surface(s, c) - body_surface(s, b);
+  record.lambda_ref += arcs;
+  record.lambda_ref -= surfaces;
   p->side[to] = side;
-  if (e->work.features & LAW_ROLLING)
-    record.rho_ref += walls_arm(s->radius[a], joints_radius(e, to)) * (s->theta[a] - s->theta[c]) -
-                      arm * (s->theta[a] - s->theta[b]);
+  if (e->work.features & LAW_ROLLING) {
+    const double turned =
+        walls_arm(s->radius[a], joints_radius(e, to)) * (s->theta[a] - s->theta[c]) -
+        arm * (s->theta[a] - s->theta[b]);
+    record.rho_ref += turned;
+    if (record.bond > 0.0) record.bond_rho += turned;
+  }
+  if (record.bond > 0.0) record.bond_lambda += arcs - surfaces;
   if (e->work.features & LAW_RADIUS)
     record.viscous += energy_on(e, from, &record) - energy_on(e, to, &record);
   pairs_set_record(p, to, &record);
@@ -342,7 +350,8 @@ bool joint_transfer(engine *e, size_t k, bool closed) {
   for (size_t j = begin; j < end; j++) {
     if (j == k || pairs_closed(p, j) == closed || PAIR(p, j, law) != PAIR(p, k, law)) continue;
     const size_t from = closed ? k : j, to = closed ? j : k;
-    if (!joint_of(e, from, to, &found) || holds(e, j) != closed) continue;
+    const bool bonded = p->more && MORE(p, from, bond) > 0.0;
+    if (!joint_of(e, from, to, &found) || holds(e, j, bonded) != closed) continue;
     move_contact(e, from, to, &found);
     return true;
   }

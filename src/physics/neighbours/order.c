@@ -137,6 +137,8 @@ static void turn_contact(const sd_model *m, sd_state *s, size_t k, const slot_ta
   s->contact_rho_ref[k] = -s->contact_rho_ref[k];
   s->contact_rho[k] = -s->contact_rho[k];
   s->contact_roll[k] = -s->contact_roll[k];
+  s->contact_bond_rho[k] = -s->contact_bond_rho[k];
+  s->contact_bond_bend[k] = -s->contact_bond_bend[k];
 }
 
 /* Lists the contacts for sorting, and returns their number. A contact from an input packing may be

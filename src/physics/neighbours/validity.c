@@ -449,18 +449,26 @@ static void check_closed(const engine *e, size_t k) {
   const double ra = s->radius[a], rb = fabs(s->radius[b]), least = rb > 0.0 && rb < ra ? rb : ra;
   const law_row *law = &w->laws[PAIR(p, k, law)];
   const bool general = (w->features & LAW_GENERAL) != 0;
+  const bool bonded = r.bond > 0.0;
   const double cap = law->cap * r.force;
+  const double force = r.force + r.bond_pull, tau = r.tau + r.bond_shear,
+               roll = r.roll + r.bond_bend;
   const int sign = pairs_slide_sign(p, k);
   assert(fabs(r.ex * r.ex + r.ey * r.ey - 1.0) < ROUNDING);
-  assert(r.overlap <= e->model->max_overlap * least && r.overlap > -law->ends * (1.0 + ROUNDING));
+  assert(r.overlap <= e->model->max_overlap * least &&
+         (bonded ? r.overlap > -w->margin * (1.0 + ROUNDING)
+                 : r.overlap > -law->ends * (1.0 + ROUNDING)));
   if (general) {
-    const double limit = math_max(r.force + r.pull, 0.0);
-    assert(law->pulls > 0.0 || r.force + r.pull >= -ROUNDING * r.pull);
-    assert(r.pull >= 0.0 && r.pull <= law->pull_off &&
-           (r.overlap > 0.0 || limit <= ROUNDING * r.pull));
-    assert(fabs(r.tau) <= law->cap * law->k_t * (limit + ROUNDING * r.pull) * (1.0 + ROUNDING));
+    /* differences of these forces may be rounding errors */
+    const double slack = ROUNDING * (r.pull + fabs(r.bond_pull)),
+                 sheared = ROUNDING * fabs(r.bond_shear), bent = ROUNDING * fabs(r.bond_bend);
+    const double limit = math_max(force + r.pull, 0.0) + slack;
+    assert(law->pulls > 0.0 || force + r.pull >= -slack);
+    assert(r.pull >= 0.0 && r.pull <= law->pull_off && (r.overlap > 0.0 || limit <= 2.0 * slack));
+    assert(fabs(tau) <= law->cap * law->k_t * limit * (1.0 + ROUNDING) + sheared);
     assert(law->drag_r > 0.0 ||
-           fabs(r.roll) <= law->cap_r * law->k_r * (limit + ROUNDING * r.pull) * (1.0 + ROUNDING));
+           fabs(roll) <= law->cap_r * law->k_r * limit * (1.0 + ROUNDING) + bent);
+    assert(bonded || (r.bond_pull == 0.0 && r.bond_shear == 0.0 && r.bond_bend == 0.0));
   } else {
     assert(r.force >= 0.0 && r.overlap > 0.0 && r.pull == 0.0 && r.roll == 0.0);
     assert(fabs(r.zeta) <= cap * (1.0 + ROUNDING));

@@ -616,7 +616,8 @@ bool lanes_suit(const sd_model *m) {
       count_pairs(m) < 1 || count_pairs(m) > LANES_PAIRS || m->n_slides > LANES_SLIDES ||
       !suits_walls(m) || m->periodic[0] || m->periodic[1] || m->measure_disks || m->n_rains > 0 ||
       m->n_fields > 0 || m->n_clumps > 0 || model_moves_surfaces(m) || walls_meet(m) ||
-      strides_are_long(m) || (m->n_segments > 0 && laws_features(m) & LAW_GENERAL) ||
+      strides_are_long(m) || laws_features(m) & LAW_BOND ||
+      (m->n_segments > 0 && laws_features(m) & LAW_GENERAL) ||
       (m->bounds.given && m->bounds.outside == SD_OUTSIDE_REMOVE))
     return false;
   bool suits = true;

@@ -264,7 +264,7 @@ LANE_INLINE void PASS(evaluate)(const lanes *l, const PASS(shape) * s, PASS(step
   const LANE(contact_constants) c = PASS(constants_for)(p, s->features);
   const LANE(pair_geometry) *g = &f->geometry[k];
   const LANE(mask) was_closed = f->closed[k],
-                   touching = LANE(contact_touches)(g, &c, was_closed, s->features);
+                   touching = LANE(contact_touches)(g, &c, &f->m[k], was_closed, s->features);
   LANE(contact_output) *out = &f->out[k];
   if (s->features & LAW_GENERAL)
     f->m[k].slid = LANE(not )(LANE(equal)(out->slip, LANE(splat)(0.0)));

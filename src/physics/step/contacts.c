@@ -20,6 +20,7 @@
 #include "physics/contact/walls.h"
 #include "physics/motion/motion.h"
 #include "physics/step/access.h"
+#include "physics/step/bonds.h"
 #include "physics/system/box.h"
 #include "physics/system/halo.h"
 
@@ -65,16 +66,40 @@ static void rebase(engine *e, size_t k) {
   const contact_geometry g = contact_geometry_of(e, k);
   double sum = s->radius[p->a[k]] + s->radius[p->b[k]];
   assert(pairs_closed(p, k));
-  PAIR(p, k, lambda_ref) += sum * g.turned;
+  pairs_shift_lambda(p, k, sum * g.turned);
   PAIR(p, k, turned) = 0.0;
   normal(e, k, &PAIR(p, k, ex), &PAIR(p, k, ey));
   assert(!(fabs(math_hypot(PAIR(p, k, ex), PAIR(p, k, ey)) - 1.0) > 1e-9));
   if (!pairs_is_segment(p, k)) return;
   const nearest_point q = nearest_on_piece(e, k);
   if (!q.flat && q.side != p->side[k]) {
-    PAIR(p, k, lambda_ref) += (q.side - p->side[k]) * q.arc;
+    pairs_shift_lambda(p, k, (q.side - p->side[k]) * q.arc);
     p->side[k] = q.side;
   }
+}
+
+bool contacts_can_close(const engine *e, size_t k) {
+  const pairs *p = &e->work.pairs;
+  const sd_state *s = e->state;
+  if (!pairs_is_segment(p, k)) return true;
+  placed_segment image;
+  const double x = s->x[p->a[k]], y = s->y[p->a[k]];
+  const placed_segment *g =
+      walls_image(e->work.length, &e->work.segments[p->part[k]], x, y, &image);
+  const nearest_point q = walls_nearest(g, x, y);
+  return joints_active(e, k, g, &q);
+}
+
+void contacts_close(engine *e, size_t k) {
+  pairs *p = &e->work.pairs;
+  assert(!pairs_closed(p, k));
+  normal(e, k, &PAIR(p, k, ex), &PAIR(p, k, ey));
+  if (pairs_is_segment(p, k)) p->side[k] = nearest_on_piece(e, k).side;
+  pairs_set_flags(p, k, true, 0);
+  const contact_geometry g = contact_geometry_of(e, k);
+  PAIR(p, k, lambda_ref) = g.lambda;
+  PAIR(p, k, overlap) = g.overlap;
+  if (p->more) MORE(p, k, rho_ref) = contact_rho_of(e, k);
 }
 
 static void book_opening(engine *e, size_t k, double energy) {
@@ -108,6 +133,8 @@ sd_status contacts_pair_event(engine *e, const event *v, sd_messages *messages) 
   pairs *p = &e->work.pairs;
   size_t k = v->index;
   assert(k < p->count && p->a[k] != PAIR_PADDING);
+  if (v->mode && bonds_broke(e, v) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for broken bonds");
   if (!pairs_closed(p, k)) {
     assert(PAIR(p, k, ex) == 0.0 && PAIR(p, k, ey) == 0.0 && PAIR(p, k, force) == 0.0);
     losses_end(e, p, k);
@@ -121,6 +148,8 @@ sd_status contacts_pair_event(engine *e, const event *v, sd_messages *messages) 
     rebase(e, k);
   else if (v->dropped != 0.0)
     losses_share(e, e->state->loss_bridge, p->a[k], p->b[k], v->dropped);
+  if (!v->was_closed && bonds_sinter(e, k) != SD_OK)
+    return sd_fail(messages, SD_ERROR_IO, "out of memory for contact events");
   return check_overlap(e, k, messages);
 }
 
@@ -143,9 +172,9 @@ static void wrap_rolling(engine *e, size_t k, uint32_t i, double turn, double sl
   pairs *p = &e->work.pairs;
   const double ra = e->state->radius[p->a[k]], rb = e->state->radius[p->b[k]],
                arm = walls_arm(ra, joints_radius(e, k));
-  MORE(p, k, rho_ref) -= (uint32_t)p->a[k] == i ? arm * turn : -(arm * turn);
+  pairs_shift_rho(p, k, (uint32_t)p->a[k] == i ? -(arm * turn) : arm * turn);
   if (slid != 0.0 && rb != 0.0)
-    MORE(p, k, rho_ref) += (rb > 0.0 ? 1.0 : -1.0) * slid * (ra / (ra + rb));
+    pairs_shift_rho(p, k, (rb > 0.0 ? 1.0 : -1.0) * slid * (ra / (ra + rb)));
 }
 
 void contacts_wrap(engine *e, uint32_t i) {
@@ -189,15 +218,15 @@ void contacts_wrap(engine *e, uint32_t i) {
   for (size_t at = w->incidence.start[i]; at < w->incidence.start[i + 1]; at++) {
     size_t k = w->incidence.entry[at] / 2;
     if (!pairs_closed(p, k) || halo_is_ghost(e, (size_t)p->b[k])) continue;
-    PAIR(p, k, lambda_ref) -= s->radius[i] * turn;
-    if (slid != 0.0) PAIR(p, k, lambda_ref) -= (s->radius[i] > 0.0 ? 1.0 : -1.0) * slid;
+    pairs_shift_lambda(p, k, -(s->radius[i] * turn));
+    if (slid != 0.0) pairs_shift_lambda(p, k, s->radius[i] > 0.0 ? -slid : slid);
     if (p->more) wrap_rolling(e, k, i, turn, slid);
     if (pairs_is_segment(p, k)) {
       /* When the disk or the wall is wrapped, the arc length of the nearest point changes, except
        * along directions in which the segment has periodic images. */
       const placed_segment *g = &w->segments[p->part[k]];
       double way = (g->image[0] ? 0.0 : shift[0] * g->tx) + (g->image[1] ? 0.0 : shift[1] * g->ty);
-      PAIR(p, k, lambda_ref) += i < s->n_disks ? p->side[k] * way : -(p->side[k] * way);
+      pairs_shift_lambda(p, k, i < s->n_disks ? p->side[k] * way : -(p->side[k] * way));
     }
   }
 }
@@ -286,6 +315,7 @@ sd_status contacts_events(engine *e, sd_messages *messages) {
     sd_status s = contacts_pair_event(e, &v, messages);
     if (status == SD_OK) status = s;
   }
+  if (!e->halo) bonds_sort(e->state);
   for (size_t n = 0; n < returns->count; n++) contacts_wrap(e, returns->item[n].index);
   returns->count = events->count = 0;
   check_speed(e);
@@ -304,7 +334,7 @@ static void follow_wrap(engine *e, size_t i, double turn) {
     const size_t k = n->entry[at] / 2;
     if (!pairs_closed(p, k) || !halo_is_ghost(e, (size_t)p->b[k]))
       continue; /* contacts_wrap has adjusted the contacts with other bodies already */
-    PAIR(p, k, lambda_ref) -= s->radius[i] * turn;
+    pairs_shift_lambda(p, k, -(s->radius[i] * turn));
     if (p->more) wrap_rolling(e, k, (uint32_t)i, turn, 0.0);
   }
 }
@@ -346,7 +376,8 @@ sd_status contacts_update_ghosts(engine *e) {
   }
   halo_refresh(e, ghosts);
   exchange_places(e, ghosts);
-  for (size_t n = 0; n < h->rebased.count; n++) rebase(e, h->rebased.item[n].index);
+  for (size_t n = 0; n < h->rebased.count; n++)
+    (h->rebased.item[n].bonds ? bonds_make : rebase)(e, h->rebased.item[n].index);
   exchange_places(e, ghosts);
   sd_status status = SD_OK;
   for (size_t g = 0; g < s->n_ghosts && status == SD_OK; g++)
@@ -550,8 +581,9 @@ void contacts_load(engine *e) {
 static bool slid_before(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const law_row *l = &e->work.laws[PAIR(p, k, law)];
-  const double limit = math_max(PAIR(p, k, force) + MORE(p, k, pull), 0.0);
-  return fabs(MORE(p, k, tau)) <= (1.0 + 1e-6) * l->cap_kinetic * l->k_t * limit;
+  const double limit = math_max(PAIR(p, k, force) + MORE(p, k, bond_pull) + MORE(p, k, pull), 0.0);
+  return fabs(MORE(p, k, tau) + MORE(p, k, bond_shear)) <=
+         (1.0 + 1e-6) * l->cap_kinetic * l->k_t * limit;
 }
 
 void contacts_restore_before(engine *e) {
@@ -561,6 +593,7 @@ void contacts_restore_before(engine *e) {
     /* the evaluation of step 0 sets these; it does not if the model has no law with them, and then
      * they must be 0 */
     MORE(p, k, tau) = MORE(p, k, pull) = 0.0;
+    MORE(p, k, bond_pull) = MORE(p, k, bond_shear) = MORE(p, k, bond_bend) = 0.0;
     if (isnan(MORE(p, k, rho_ref))) MORE(p, k, rho_ref) = contact_rho_of(e, k);
   }
 }

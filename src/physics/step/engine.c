@@ -10,6 +10,7 @@
 
 #include "base/math.h"
 #include "base/memory.h"
+#include "model/laws.h"
 #include "model/model.h"
 #include "model/normal_laws.h"
 #include "model/rows.h"
@@ -145,11 +146,10 @@ static bool same_row(const law_row *a, const law_row *b) {
 static void fill_laws(const sd_model *m, work *w) {
   w->one_law = true;
   w->features = laws_features(m);
-  w->margin = 0.0;
+  w->margin = laws_range(m);
   for (size_t k = 0; k < m->n_materials * m->n_materials; k++) {
     w->laws[k] = row_of(&m->laws[k]);
     assert(m->laws[k].normal < SD_NORMAL_LAWS && w->laws[k].cap >= 0.0);
-    w->margin = math_max(w->margin, math_max(w->laws[k].begins, w->laws[k].ends));
     if (!same_row(&w->laws[k], &w->laws[0])) w->one_law = false;
   }
   w->pairs.wants_more = w->spare.wants_more = (w->features & LAW_GENERAL) != 0;
@@ -417,7 +417,8 @@ static sd_status start_part(engine *e, size_t *kept, sd_messages *messages) {
   for (size_t k = 0; k < w->pairs.count; k++) losses_forget(&w->pairs, k);
   *kept -= drop_apart(e);
   sd_status status = contacts_events(e, messages);
-  for (size_t i = 0; s->law_columns && i < s->n_free; i++) s->loss_bridge[i] = 0.0;
+  for (size_t i = 0; s->law_columns && i < s->n_free; i++)
+    s->loss_bridge[i] = s->broken_tension[i] = s->broken_shear[i] = s->broken_bending[i] = 0.0;
   body_forces_renew(e, 0, s->n_free);
   for (int c = 0; c < SD_COORDINATES; c++)
     for (size_t i = 0; i < s->n_free; i++) engine_accelerate(e, c, i, w->columns[c].force[i]);

@@ -41,7 +41,7 @@ static void scale_arcs(engine *e, double f) {
     if (!pairs_closed(p, k)) continue;
     const placed_segment *g = &e->work.segments[p->part[k]];
     double arc = walls_nearest(g, e->state->x[p->a[k]], e->state->y[p->a[k]]).arc - g->arc;
-    PAIR(p, k, lambda_ref) += p->side[k] * ((f - 1.0) * arc);
+    pairs_shift_lambda(p, k, p->side[k] * ((f - 1.0) * arc));
   }
 }
 

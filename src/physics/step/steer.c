@@ -72,9 +72,9 @@ void steer_keep_displacements(engine *e, const bool *changed) {
     const size_t a = (size_t)p->a[k], b = (size_t)p->b[k];
     if (!changed[a] && !(b < n_free && changed[b])) continue;
     const contact_geometry g = contact_geometry_of(e, k);
-    PAIR(p, k, lambda_ref) = g.lambda - PAIR(p, k, zeta);
+    pairs_shift_lambda(p, k, (g.lambda - PAIR(p, k, zeta)) - PAIR(p, k, lambda_ref));
     if (p->more && e->work.features & LAW_ROLLING)
-      MORE(p, k, rho_ref) = contact_rho_of(e, k) - MORE(p, k, rho);
+      pairs_shift_rho(p, k, (contact_rho_of(e, k) - MORE(p, k, rho)) - MORE(p, k, rho_ref));
   }
 }
 

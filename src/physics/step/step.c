@@ -18,6 +18,7 @@
 #include "physics/motion/motion.h"
 #include "physics/neighbours/neighbours.h"
 #include "physics/neighbours/validity.h"
+#include "physics/step/bonds.h"
 #include "physics/step/cell.h"
 #include "physics/step/contacts.h"
 #include "physics/system/fields.h"
@@ -129,6 +130,8 @@ unsigned step_agree(engine *e, bool stop) {
   const unsigned all = halo_agree(h);
   if (all & HALO_WAITS && contacts_update_ghosts(e) != SD_OK)
     w->status = sd_fail(w->messages, SD_ERROR_IO, "out of memory for contact events");
+  if (all & HALO_BROKE && bonds_gather(e) != SD_OK)
+    w->status = sd_fail(w->messages, SD_ERROR_IO, "out of memory for broken bonds");
   h->shifted.count = 0;
   return all;
 }

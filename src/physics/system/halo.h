@@ -31,6 +31,7 @@ enum { HALO_ROW = PACKED_ROW + 2 };
 typedef struct halo_wait {
   uint32_t index, order;
   double turn, x, y;
+  bool bonds; /* `index` is a contact that becomes bonded, in place of a new reference direction */
 } halo_wait;
 
 typedef struct halo_waits {
@@ -81,7 +82,7 @@ struct halo {
 
 /* Bits that are combined over all ranks after each step. They mean that some rank has a stale
  * neighbour list, has failed, asks to stop, or has postponed changes. */
-enum { HALO_STALE = 1, HALO_FAILED = 2, HALO_STOP = 4, HALO_WAITS = 8 };
+enum { HALO_STALE = 1, HALO_FAILED = 2, HALO_STOP = 4, HALO_WAITS = 8, HALO_BROKE = 16 };
 
 void halo_free(halo *h);
 /* Allocates the messages and connects the ranks. to[r], from[r]: numbers of rows sent to and

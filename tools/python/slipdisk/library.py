@@ -187,9 +187,9 @@ class Deck(Structure):
 
 class Energy(Structure):
     _fields_ = [(name, c_double) for name in (
-        "kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential", "elastic_rolling",
+        "kinetic_translation", "kinetic_rotation", "elastic_normal", "elastic_tangential", "elastic_rolling", "elastic_bond",
         "cohesion", "external", "start", "work", "nonconservative_work", "viscous", "friction", "rolling", "bridge", "opening",
-        "drag", "damping", "relaxed", "residual", "scale")]
+        "broken_tension", "broken_shear", "broken_bending", "drag", "damping", "relaxed", "residual", "scale")]
 
 
 class Stage(Structure):

@@ -166,6 +166,8 @@ def energy_budget(result: Drawable, ax: Axes | None = None, *, time: Sequence[fl
     released = "released by gravity" + (", motion of disks that came or went" if brought.any() else "")
     lines = [("work of drives", s["work"] + s["nonconservative_work"]), (released, s["external"][0] - s["external"] + brought)]
     lost = [("lost to friction", s["friction"]), ("lost to viscosity", s["viscous"]), ("lost in opening contacts", s["opening"])]
+    if "broken_tension" in s:
+        lost += [("lost in broken bonds", s["broken_tension"] + s["broken_shear"] + s["broken_bending"])]
     lost += [(name, s[key]) for key, name in (("rolling", "lost to rolling"), ("bridge", "lost in forming bridges"), ("drag", "lost to drag"),
                                               ("damping", "lost to damping"), ("relaxed", "taken out by the relaxer")) if key in s]
     largest = max(float(np.abs(values[keep]).max(initial=0)) for _, values in lines + lost)

@@ -719,9 +719,10 @@ class Simulation(Fixed, Shown):
         yield table_html((), [
             ("step", f"{self.step} of {'' if self.finished else 'at most '}{self.steps}"), ("dt", self.dt),
             ("closed contacts", len(self.contacts)), ("kinetic energy", e.kinetic_translation + e.kinetic_rotation),
-            ("elastic energy", e.elastic_normal + e.elastic_tangential + e.elastic_rolling),
+            ("elastic energy", e.elastic_normal + e.elastic_tangential + e.elastic_rolling + e.elastic_bond),
             ("work", e.work + e.nonconservative_work),
-            ("lost", e.viscous + e.friction + e.rolling + e.bridge + e.opening + e.drag + e.damping + e.relaxed),
+            ("lost", e.viscous + e.friction + e.rolling + e.bridge + e.opening + e.broken_tension + e.broken_shear + e.broken_bending
+             + e.drag + e.damping + e.relaxed),
             ("missing in the energy budget", e.residual)])
 
 
