@@ -89,8 +89,7 @@ HELPER void end_run(sd_simulation *sim, sd_model *model) {
 HELPER sd_state *copy_of(const sd_model *model, const sd_state *from) {
   sd_state *to = sd_state_new(model);
   assert_non_null(to);
-  assert_int_equal(sd_state_reserve_contacts(to, from->n_contacts), SD_OK);
-  to->n_contacts = from->n_contacts;
+  assert_int_equal(state_size_like(to, from), SD_OK);
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     size_t bytes = sd_extent_size(from, f->extent) * sd_type_size(f->type);

@@ -36,6 +36,10 @@ HELPER void put_part(const engine *e, sd_state *whole) {
   const size_t known = s->n_free + s->n_ghosts, contacts = whole->n_contacts;
   assert_int_equal(sd_state_reserve_contacts(whole, contacts + s->n_contacts), SD_OK);
   whole->n_contacts += s->n_contacts;
+  if (comm_rank(e->comm) == 0) {
+    assert_int_equal(state_reserve_breaks(whole, s->n_breaks), SD_OK);
+    whole->n_breaks = s->n_breaks;
+  }
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     const bool of_free = state_of_free(f->extent), of_contacts = state_of_contacts(f->extent);

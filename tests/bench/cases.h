@@ -226,9 +226,7 @@ static sd_simulation *const *settled(const bench_system *system, size_t members)
 
 static sd_state *copy_of(const sd_model *model, const sd_state *from) {
   sd_state *to = sd_state_new(model);
-  if (!from || !to || sd_state_reserve_contacts(to, from->n_contacts) != SD_OK)
-    give_up("out of memory", NULL);
-  to->n_contacts = from->n_contacts;
+  if (!from || !to || state_size_like(to, from) != SD_OK) give_up("out of memory", NULL);
   for (size_t k = 0; k < sd_field_count; k++) {
     const sd_field *f = &sd_fields[k];
     size_t bytes = sd_extent_size(from, f->extent) * sd_type_size(f->type);

@@ -5,7 +5,7 @@ PLAIN_BODIES = {"bodies": ("free", "inertia", "forces"), "motion": ("none",), "f
 WALLS = {"walls": tuple(name for name in FEATURES["walls"] if name != "none")}
 
 
-for _dimension in "phases", "bounds", "bodies later", "source", "also", "calls", "outputs":
+for _dimension in "phases", "bond", "bounds", "bodies later", "source", "also", "calls", "outputs":
     added(_dimension, "none")(lambda r, deck: None)
 
 
@@ -96,6 +96,44 @@ def hold_and_release(r, deck):
     fixed = [d["name"] for d in deck["disks"] if d.get("fixed")]
     first, second = r.sample(free, 2)
     deck["phases"] = [{"steps": 100, "hold": [first]}, {"steps": 100, "hold": [second], "release": [first, *fixed]}, {"steps": 100}]
+
+
+def cement(r, deck, keys, **phase):
+    """Bonds of all laws, made when the first phase begins."""
+    for law in deck["materials"] + deck.get("material_pairs", []):
+        law.update(keys() | {"bond_gap": 3e-3})
+    deck["phases"][0]["bond"] = phase
+
+
+UNBRIDGED = {"cohesion": ("none", "constant")}
+
+
+@added("bond", "springs", **UNBRIDGED)
+def bond_springs(r, deck):
+    cement(r, deck, lambda: {"bond_k_n": r.uniform(300, 900), "bond_k_t": r.uniform(200, 500), "bond_k_r": r.choice((0.0, 300.0)),
+                             "bond_extension": 5e-3})
+
+
+@added("bond", "beams that damp", **UNBRIDGED)
+def bond_beams(r, deck):
+    cement(r, deck, lambda: {"bond_E": r.uniform(500, 1500), "bond_width": r.uniform(0.02, 0.06), "bond_poisson": r.uniform(0, 0.4),
+                             "bond_gamma_n": 0.2, "bond_gamma_t": 0.1, "bond_gamma_r": 0.1, "bond_tension": r.uniform(20, 100),
+                             "bond_cohesion": r.uniform(5, 60), "bond_friction": r.uniform(0, 0.6)})
+
+
+@added("bond", "brittle", **UNBRIDGED)
+def brittle_bonds(r, deck):
+    cement(r, deck, lambda: {"bond_k_n": r.uniform(300, 900), "bond_k_t": r.uniform(200, 500), "bond_k_r": r.uniform(100, 300),
+                             "bond_max_tension": r.uniform(0.02, 0.5), "bond_max_shear": r.uniform(0.02, 0.5),
+                             "bond_max_bending": r.uniform(1e-3, 1e-2), "bond_weibull": r.uniform(1.5, 6), "bond_alone": r.random() < 0.5})
+
+
+@added("bond", "sinter", **UNBRIDGED)
+def sintering(r, deck):
+    cement(r, deck, lambda: {"bond_k_n": r.uniform(300, 900), "bond_k_t": r.uniform(200, 500), "bond_extension": r.uniform(2e-4, 2e-3)},
+           sinter=True, begin=False)
+    for phase in deck["phases"][1:]:
+        phase["bond"] = {"sinter": True}
 
 
 @added("bounds", "report", gravity=("none",), bodies=("free", "forces", "inertia"))

@@ -246,24 +246,52 @@ LANE_INLINE void LANE(turning)(const work *w, LANE(location) at, const unsigned 
   (of_a[PACKED_RADIUS], of_b[PACKED_RADIUS], of_a[PACKED_ARC], of_b[PACKED_ARC], spin_a, spin_b, g);
 }
 
+/* Sets at[] to the middle of the gap or overlap of pair k, as the bodies are evaluated in this step.
+ * It is measured from the body with the lower number, so that it is the same on all ranks. */
+static inline void LANE(place_of)(const engine *e, size_t k, double at[2]) {
+  const work *w = &e->work;
+  const sd_state *s = e->state;
+  const int32_t a = w->pairs.a[k], b = w->pairs.b[k];
+  if (pairs_is_segment(&w->pairs, k)) {
+    placed_segment image;
+    const nearest_point q = walls_nearest(
+        walls_image(w->length, &w->segments[w->pairs.part[k]], s->x[a], s->y[a], &image), s->x[a],
+        s->y[a]);
+    at[0] = s->x[a] + q.dx;
+    at[1] = s->y[a] + q.dy;
+    return;
+  }
+  const bool first = s->id[a] < s->id[b];
+  const double *from = w->packed + PACKED_ROW * w->row[first ? a : b],
+               *to = w->packed + PACKED_ROW * w->row[first ? b : a];
+  double dx = to[PACKED_X] - from[PACKED_X], dy = to[PACKED_Y] - from[PACKED_Y];
+  box_nearest(w, &dx, &dy);
+  const double r = sqrt(dx * dx + dy * dy),
+               part = 0.5 * (1.0 + (from[PACKED_RADIUS] - fabs(to[PACKED_RADIUS])) / r);
+  at[0] = from[PACKED_X] + part * dx;
+  at[1] = from[PACKED_Y] + part * dy;
+}
+
 /* Appends a rare event for each pair in the lanes `which`. Events are handled after all pairs have
  * been evaluated. */
-LANE_INLINE void LANE(note)(const pairs *p, thread_work *mine, LANE(location) at, LANE(mask) which,
-                            LANE(mask) was_closed, LANE(real) dropped, const unsigned features,
+LANE_INLINE void LANE(note)(const engine *e, thread_work *mine, LANE(location) at, LANE(mask) which,
+                            LANE(mask) was_closed, LANE(real) dropped,
                             const LANE(bond_output) * bond) {
-  double drop[LANE_WIDTH], mode[LANE_WIDTH] = {0}, broken[LANE_WIDTH] = {0};
+  const pairs *p = &e->work.pairs;
+  double drop[LANE_WIDTH], mode[LANE_WIDTH], broken[LANE_WIDTH];
   LANE(store)(drop, dropped);
-  if (features & LAW_BOND) {
-    LANE(store)(mode, bond->mode);
-    LANE(store)(broken, bond->broken);
+  LANE(store)(mode, bond->mode);
+  LANE(store)(broken, bond->broken);
+  for (size_t l = 0; l < LANE_WIDTH; l++) {
+    if (!LANE(lane_is)(which, (int)l)) continue;
+    const size_t k = (size_t)(at.b - p->block) * PAIR_BLOCK + at.l + l;
+    event v = {.was_closed = LANE(lane_is)(was_closed, (int)l),
+               .dropped = drop[l],
+               .broken = broken[l],
+               .mode = (int)mode[l]};
+    if (v.mode) LANE(place_of)(e, k, v.place);
+    event_add_pair(&mine->events, p, k, &v);
   }
-  for (size_t l = 0; l < LANE_WIDTH; l++)
-    if (LANE(lane_is)(which, (int)l))
-      event_add_pair(&mine->events, p, (size_t)(at.b - p->block) * PAIR_BLOCK + at.l + l,
-                     &(event){.was_closed = LANE(lane_is)(was_closed, (int)l),
-                              .dropped = drop[l],
-                              .broken = broken[l],
-                              .mode = (int)mode[l]});
 }
 
 /* Computes the first part of the geometry of a vector of pairs of round bodies, up to 1/r. In a
@@ -402,8 +430,7 @@ LANE(contact_evaluate_slow)(engine *e, thread_work *mine, LANE(location) at,
                            (LANE(contact_is_deep)(g, e->work.max_overlap * smaller) & touching) |
                            bond.breaks;
   if (features & LAW_BRIDGE) out.dropped = out.dropped + out.bridge;
-  if (LANE(any)(which))
-    LANE(note)(&w->pairs, mine, at, which, was_closed, out.dropped, features, &bond);
+  if (LANE(any)(which)) LANE(note)(e, mine, at, which, was_closed, out.dropped, &bond);
   LANE(scatter)(w->sums.row, at, &out);
   LANE(store_memory)(at, paper, &m, &out);
   if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, &m, &out);

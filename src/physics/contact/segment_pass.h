@@ -297,7 +297,7 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
     (&g, &k, touching, was_closed, LANE(splat)(w->dt), LANE(bent_of)(e, here, g.nx, g.ny), features,
      &before, &m, &out);
     if (features & LAW_BRIDGE) out.dropped = out.dropped + out.bridge;
-    LANE(note)(&w->pairs, mine, here, rare, was_closed, out.dropped, features, &bond);
+    LANE(note)(e, mine, here, rare, was_closed, out.dropped, &bond);
     LANE(store)(here.b->ex + here.l, m.ex);
     LANE(store)(here.b->ey + here.l, m.ey);
   }

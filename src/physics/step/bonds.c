@@ -139,12 +139,10 @@ sd_status bonds_broke(engine *e, const event *v) {
   losses_share(e, losses[v->mode - 1], a, b, v->broken);
   if (!halo_counts(e, k)) return SD_OK;
   if (state_reserve_breaks(s, s->n_breaks + 1) != SD_OK) return SD_ERROR_IO;
-  const contact_geometry g = contact_geometry_of(e, k);
-  const double arm = s->radius[a] - 0.5 * g.overlap;
   const uint32_t one = s->id[a], two = s->id[b];
   set_row(s, s->n_breaks++,
           &(broken_bond){s->step + 1, one < two ? one : two, one < two ? two : one, v->mode,
-                         s->x[a] + arm * g.nx, s->y[a] + arm * g.ny, v->broken});
+                         v->place[0], v->place[1], v->broken});
   if (e->halo) e->halo->bits |= HALO_BROKE;
   return SD_OK;
 }

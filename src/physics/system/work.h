@@ -226,6 +226,7 @@ typedef struct event {
   /* energy left in the springs of a contact that opened, or lost when a capillary bridge formed */
   double dropped;
   double broken;   /* energy of a bond that broke */
+  double place[2]; /* of its middle */
   int mode;        /* how it broke (contact/law_bond.h); 0: it did not */
   bool was_closed; /* true if the contact was closed before this evaluation */
   /* true for a contact of a packing that is open at step 0: its energy is not counted as a loss */
