@@ -172,7 +172,8 @@ HELPER int reference_rates(double t, const double s[], double f[], void *user) {
   double normal = push - law_attraction(l, reach, q->bridged), cap = fmax(push, 0);
   /* tangential */
   q->stiffness = sqrt(l->k_t * (l->tangential == SD_TANGENTIAL_MINDLIN ? sqrt(delta) : 1));
-  q->limit = cap * (q->slid && l->mu_kinetic > 0 ? l->mu_kinetic : l->mu);
+  q->limit =
+      fmax(cap - l->critical_load, 0) * (q->slid && l->mu_kinetic > 0 ? l->mu_kinetic : l->mu);
   q->reach = reach;
   double tau = delta > 0 ? -limited(q->stiffness * s[SPRING], l->gamma_t * surface, q->limit) : 0,
          lever = flat ? 1 : sum / r;

@@ -42,6 +42,9 @@ typedef struct sd_contact_law {
   /* true: a bond acts in place of friction and rolling friction of its contact while it lasts */
   bool bond_alone;
   double mu_kinetic; /* coefficient of friction while a contact slides, <= mu; 0: equal to mu */
+  /* Normal force above which there is friction, >= 0: the tangential force is at most mu times the
+   * normal force less this; needs k_t and mu */
+  double critical_load;
   sd_tangential_law tangential; /* kind of tangential spring */
   double gamma_t;               /* tangential viscosity, force time/length, >= 0 */
   double k_r, gamma_r; /* rolling stiffness, force/length, and viscosity, force time/length; >= 0 */

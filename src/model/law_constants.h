@@ -34,6 +34,7 @@ static inline double law_beam(const sd_contact_law *l) {
   ROW(LAW_PULLS, pulls, l->damping_pulls)                                                          \
   /* limit of the tangential displacement while the contact slides, over the normal force */       \
   ROW(LAW_KINETIC, cap_kinetic, law_ratio(l->mu_kinetic > 0.0 ? l->mu_kinetic : l->mu, l->k_t))    \
+  ROW(LAW_CRITICAL, critical_load, l->critical_load)                                               \
   ROW(LAW_MINDLIN, mindlin, l->tangential == SD_TANGENTIAL_MINDLIN)                                \
   ROW(LAW_DASHPOT, dashpot_ratio, law_ratio(l->gamma_t, l->k_t))                                   \
   /* 1: k_n, and k_t with what is divided by it, depend on R_eff (law_radius.h) */                 \

@@ -17,8 +17,9 @@ enum {
   LAW_DASHPOT = 16, /* tangential viscosity */
   LAW_ROLLING = 32,
   LAW_COHESION = 64,
-  LAW_BRIDGE = 128, /* capillary bridges */
-  LAW_RADIUS = 256, /* stiffness from a modulus and R_eff (E_star) */
+  LAW_BRIDGE = 128,   /* capillary bridges */
+  LAW_RADIUS = 256,   /* stiffness from a modulus and R_eff (E_star) */
+  LAW_CRITICAL = 512, /* friction above a critical load only */
   LAW_BOND = 1024,
   LAW_BEAM = 2048, /* bonds whose stiffness follows from a modulus and the radii (bond_E) */
   LAW_GAP = LAW_COHESION | LAW_BOND, /* contacts that may be closed across a gap */

@@ -49,6 +49,9 @@ static const deck_key law_keys[] = {
     {"mu_kinetic", NUMBER(DECK_POSITIVE, "-"), "-", NULL,
      "coefficient of friction of sliding contacts, at most mu; not given: mu",
      SETS(sd_contact_law, mu_kinetic)},
+    {"critical_load", NUMBER(DECK_NOT_NEGATIVE, "force"), "0.0", NULL,
+     "friction begins at this normal force: it is at most mu (F_n - critical_load)",
+     SETS(sd_contact_law, critical_load)},
     {"tangential", CHOICE, "\"spring\"", tangential_words,
      "tangential stiffness: k_t, or k_t sqrt(delta) (mindlin)", SETS(sd_contact_law, tangential)},
     {"gamma_t", NUMBER(DECK_NOT_NEGATIVE, "force time/length"), "0.0", NULL,
@@ -213,6 +216,8 @@ char *law_mistake(const sd_contact_law *law, const char **key, double *value) {
        "with poisson it is 3 (1 - nu)/(2 - nu) k_n; leave out one of the two"},
       {law->gamma_t > 0 && !(law->k_t > 0 && law->mu > 0), "gamma_t", law->gamma_t,
        "without k_t and mu there is no tangential force; give both"},
+      {law->critical_load > 0 && !(law->k_t > 0 && law->mu > 0), "critical_load",
+       law->critical_load, "without k_t and mu there is no friction at any load; give both"},
       {law->gamma_r > 0 && !(law->k_r > 0), "gamma_r", law->gamma_r,
        "without k_r there is no rolling resistance"},
       {law->mu_r > 0 && !(law->k_r > 0), "mu_r", law->mu_r,
@@ -253,6 +258,7 @@ unsigned law_features(const sd_contact_law *law) {
   if (law->restitution > 0 && law->restitution < 1) f |= LAW_NORMAL;
   if (law->damping_pulls && (law->gamma_n > 0 || (f & LAW_NORMAL))) f |= LAW_PULLS;
   if (law->mu_kinetic > 0 && law->mu_kinetic < law->mu) f |= LAW_KINETIC;
+  if (law->critical_load > 0) f |= LAW_CRITICAL;
   if (law->k_t > 0 && law->tangential == SD_TANGENTIAL_MINDLIN) f |= LAW_MINDLIN;
   if (law->gamma_t > 0) f |= LAW_DASHPOT;
   if (law->k_r > 0 || law->drag_r > 0) f |= LAW_ROLLING;

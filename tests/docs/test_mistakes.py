@@ -176,7 +176,7 @@ TABLES = {
         changes("an arc in degrees", ('type = "line"; points = ((-1, 0), (1, 0));',
                                       'type = "arc"; center = (0, 5); radius = 5; from = 200; to = 340;')),
         *[change(f"`{keys}` in `materials`", "gamma_n = 2; mu = 0.5;", keys)
-          for keys in ("friction = 0.5;", "e = 0.5;", "cor = 0.5;", "young = 1e9;", "damping = 2;", "mu = 0.3; mu_kinetic = 0.5;",
+          for keys in ("friction = 0.5;", "e = 0.5;", "cor = 0.5;", "young = 1e9;", "damping = 2;", "mu = 0.3; mu_kinetic = 0.5;", "critical_load = 1;",
                        'cohesion = "constant";', 'cohesion = "bridge"; pull_off = 1;')],
         *[change(f"`{keys}` in `materials`", "k_n = 1e4; k_t = 5e3;", keys)
           for keys in ("k_t = 5e3;", "E_star = 1e6;", 'law = "hertz"; E_star = 1e6; k_n = 1e4;', 'law = "hertz"; E_star = 1e6; poisson = 0.3;',

@@ -22,6 +22,7 @@ static law drawn_law(uint64_t *seed) {
     if (heads(seed)) l.mu_kinetic = l.mu * (0.4 + 0.6 * next_uniform(seed));
     l.k_t = drawn(seed, 2e3, 1e4) * (l.tangential == SD_TANGENTIAL_MINDLIN ? 100 : 1);
     if (heads(seed)) l.gamma_t = drawn(seed, 0.1, 2);
+    if (heads(seed)) l.critical_load = mass * 9.81 * drawn(seed, 0.3, 30);
   }
   if (heads(seed)) {
     l.mu_r = drawn(seed, 0.01, 0.5);

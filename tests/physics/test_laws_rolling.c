@@ -262,6 +262,24 @@ static void turning_floor(void **unused) {
   system_end(s);
 }
 
+/* Below the critical load of friction the centre of a disk on a floor keeps its velocity, but rolling friction slows down its
+ * rotation, by 2 mu_r g/R. */
+static void below_critical_load(void **unused) {
+  const law l = {
+      .k_n = 1e5, .k_t = 4e5, .mu = 0.5, .k_r = 1e4, .mu_r = 0.02, .critical_load = 1.01 * m * g};
+  const double dt = 2e-6, speed = 0.8, t = 0.1;
+  sd_simulation *s = lying(&l, SD_VERLET, dt, speed, 0);
+  system_advance(s, 10000);
+  const double before = system_at(s, 0).omega;
+  system_advance(s, (int64_t)(t / dt));
+  const system_body b = system_at(s, 0);
+  SYSTEM_NEAR(b.vx, speed, 1e-15, "no friction");
+  SYSTEM_NEAR(R * (b.omega - before), 2 * l.mu_r * g * t, 1e-6 * speed, "rolling friction");
+  SYSTEM_NEAR(sd_simulation_energy(s).friction, 0, 0, "nothing lost to friction");
+  assert_true(laws_residual(s) < 1e-6);
+  system_end(s);
+}
+
 /* A disk that rolls on a floor slows down as exp(-t drag_r/(3 m/2)); all that it loses is viscous. */
 static void drag(void **unused) {
   for (int i = 0; i < 2; i++) {
@@ -283,5 +301,5 @@ static void drag(void **unused) {
   }
 }
 
-RUN_TESTS(TEST(rocking), TEST(drag), TEST(rolling_to_rest), TEST(slope), TEST(held_pair),
-          TEST(round_walls), TEST(turning_floor))
+RUN_TESTS(TEST(rocking), TEST(drag), TEST(rolling_to_rest), TEST(below_critical_load), TEST(slope),
+          TEST(held_pair), TEST(round_walls), TEST(turning_floor))

@@ -1,4 +1,4 @@
-/* test_laws_tangential.c: dashpots, springs that stiffen with the overlap, static and kinetic friction; oblique impacts.
+/* test_laws_tangential.c: dashpots, springs that stiffen with the overlap, static and kinetic friction, critical loads; oblique impacts.
  *
  * A disk of inertia m R^2/2 that cannot leave a floor has 1/m* = 1/m + R^2/I = 3/m in its tangential motion.
  */
@@ -85,6 +85,17 @@ static const struct {
       .gamma_t = 1}},
     {"kinetic friction",
      {.k_n = 1e4, .restitution = 0.9, .mu = 0.5, .mu_kinetic = 0.2, .k_t = 7e3}},
+    {"critical load",
+     {.k_n = 1e4, .gamma_n = 3, .mu = 0.5, .k_t = 7e3, .critical_load = 5, .gamma_t = 2}},
+    {"critical load and mindlin",
+     {.normal = SD_NORMAL_HERTZ,
+      .k_n = 1e5,
+      .restitution = 0.8,
+      .mu = 0.5,
+      .mu_kinetic = 0.4,
+      .critical_load = 5,
+      .k_t = 1.2e5,
+      .tangential = SD_TANGENTIAL_MINDLIN}},
     {"everything",
      {.normal = SD_NORMAL_HERTZ,
       .k_n = 1e5,
@@ -168,6 +179,52 @@ static void rebound(void **unused) {
       if (ratio < 0.8) assert_true(after < -0.1 * ratio);
       if (gross > 0.6) SYSTEM_NEAR(after, gross, 2e-4 * ratio, "gross sliding at %g", ratio);
       system_end(s);
+    }
+  }
+}
+
+/* Flies at a floor, the point of contact at `ratio` times the speed along it; returns what it has after, over the speed. */
+static double critical_impact(const law *l, double v, double ratio, sd_energy *e) {
+  hit h = {.floor = true,
+           .radius = {R},
+           .mass = {m},
+           .velocity = {{0.5 * ratio * v, -v, 0.5 * ratio * v / R}},
+           .integrator = SD_VERLET,
+           .dt = 1e-7};
+  h.gap = 1e-6 * v;
+  sd_simulation *s = laws_impact(l, &h);
+  for (int part = 0; part < 100 && (part < 2 || sd_simulation_state(s)->n_contacts); part++)
+    system_advance(s, 20000);
+  system_body b = system_at(s, 0);
+  *e = sd_simulation_energy(s);
+  SYSTEM_NEAR(e->residual / e->scale, 0, 1e-6, "residual of an impact");
+  system_end(s);
+  return (b.vx + R * b.omega) / v;
+}
+
+/* Impacts whose peak stays below the critical load feel no friction at all. Above it, in gross sliding, the linear law gives the
+ * impulse mu (2 P cos(phi) - F_c (pi - 2 phi))/w of mu (P sin(w t) - F_c), with sin(phi) = F_c/P. */
+static void impact_over_critical_load(void **unused) {
+  const double v = 0.2, ratio = 5;
+  for (int kind = 0; kind < 2; kind++) {
+    law l = {.normal = kind, .tangential = kind, .k_n = 1e5, .mu = 0.3, .k_t = 1e5, .gamma_t = 1};
+    const double w = sqrt(l.k_n / m),
+                 peak = kind ? l.k_n * pow(5 * m * v * v / (4 * l.k_n), 0.6) : v * m * w;
+    sd_energy e;
+    l.critical_load = 1.0001 * peak;
+    double after = critical_impact(&l, v, ratio, &e);
+    SYSTEM_NEAR(after, ratio, 1e-14, "frictionless below the critical load");
+    SYSTEM_NEAR(e.friction + e.opening, 0, 0, "nothing to lose");
+    l.critical_load = 0.99 * peak;
+    after = critical_impact(&l, v, ratio, &e);
+    assert_true(after < ratio - 1e-4 && e.friction > 0);
+    for (double part = 0.2; !kind && part < 1; part += 0.3) {
+      l.critical_load = part * peak;
+      const double phi = asin(part), lost = l.mu * v * (2 * cos(phi) - part * (M_PI - 2 * phi));
+      after = critical_impact(&l, v, ratio, &e);
+      print_message("critical load of %.1f peaks: loses %.6f, expected %.6f\n", part, ratio - after,
+                    3 * lost / v);
+      SYSTEM_NEAR(ratio - after, 3 * lost / v, 1e-5, "gross sliding above the critical load");
     }
   }
 }
@@ -285,6 +342,38 @@ static void sledge_stops(void **unused) {
   system_end(s);
 }
 
+/* On a floor that it presses with N a sledge slides freely if N is below the critical load, else it slows down by
+ * mu (N - F_c)/m and stops. */
+static void sledge_over_critical_load(void **unused) {
+  const double weight = m * g, speed = 0.3, dt = 1e-6;
+  for (int kind = 0; kind < 4; kind++)
+    for (int above = 0; above < 2; above++) {
+      law l = {.k_n = 1e5, .mu = 0.5, .k_t = 1e6, .critical_load = (above ? 0.4 : 1.01) * weight};
+      if (kind & 1) l.tangential = SD_TANGENTIAL_MINDLIN, l.k_t /= sqrt(weight / l.k_n);
+      if (kind & 2) l.mu_kinetic = 0.3, l.gamma_t = 100;
+      const double mu = kind & 2 ? l.mu_kinetic : l.mu, friction = mu * (weight - l.critical_load);
+      sd_simulation *s = sledge(&l, dt, 0, speed, false);
+      system_advance(s, 20000);
+      system_body b = system_at(s, 0);
+      sd_energy e = sd_simulation_energy(s);
+      if (!above) {
+        SYSTEM_NEAR(b.force_x, 0, 0, "no force below the critical load");
+        SYSTEM_NEAR(b.vx, speed, 1e-15, "slides freely");
+        SYSTEM_NEAR(e.friction + e.elastic_tangential, 0, 0, "no loss below the critical load");
+      } else {
+        SYSTEM_NEAR(b.force_x, -friction, 1e-6 * weight, "friction above the critical load");
+        system_advance(s, 20000);
+        const double slowed = b.vx - system_at(s, 0).vx;
+        SYSTEM_NEAR(slowed, friction / m * 20000 * dt, 1e-6 * speed, "slows down");
+        system_advance(s, 300000);
+        b = system_at(s, 0);
+        assert_true(fabs(b.vx) < 0.02 * speed && fabs(b.force_x) < l.mu / mu * friction * 1.01);
+      }
+      assert_true(laws_residual(s) < 1e-6);
+      system_end(s);
+    }
+}
+
 /* On a slow belt against a stop: it sticks until mu W, slips with mu_k W, sticks again: period of the closed form (Den Hartog,
  * Mechanical Vibrations, 7.3) for a stiff k_t, whole motion of the reference. */
 static void stick_slip(void **unused) {
@@ -324,5 +413,6 @@ static void stick_slip(void **unused) {
   system_end(s);
 }
 
-RUN_TESTS(TEST(dashpot), TEST(oblique), TEST(rebound), TEST(closed_cycles), TEST(sledge_stops),
+RUN_TESTS(TEST(dashpot), TEST(oblique), TEST(rebound), TEST(impact_over_critical_load),
+          TEST(closed_cycles), TEST(sledge_stops), TEST(sledge_over_critical_load),
           TEST(stick_slip))

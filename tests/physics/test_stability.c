@@ -143,8 +143,9 @@ static void a_failed_run_tells_how_near_dt_is(void **unused) {
 
 /* Each number of a contact law changes the limit, or is listed here as one that does not. */
 static void every_constant_is_known(void **unused) {
-  static const char *const no_limit[] = {"mu",    "mu_kinetic", "mu_r",   "pull_off",
-                                         "range", "rupture",    "E_star", "poisson"};
+  static const char *const no_limit[] = {"mu",      "mu_kinetic", "critical_load",
+                                         "mu_r",    "pull_off",   "range",
+                                         "rupture", "E_star",     "poisson"};
   const sd_contact_law base = {.k_n = 1, .k_t = 1, .mu = 1, .restitution = 0.5};
   const deck_key *key;
   for (size_t k = 0; (key = deck_key_at(&law_table, k)); k++) {

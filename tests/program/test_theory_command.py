@@ -387,7 +387,7 @@ class Refusals(Base):
         self.refused(s, ["-D", "disks.upper.y=0.5"], "starts far")
         self.refused(s, ["-D", "disks.upper.torque=0.1"], "constant torque")
         self.refused(s, ["-D", "materials[0].k_t=0"], "k_t = 0")
-        for key, value in (("law", "hertz"), ("tangential", "mindlin"), ("mu_kinetic", 0.05), ("gamma_t", 1)):
+        for key, value in (("law", "hertz"), ("tangential", "mindlin"), ("mu_kinetic", 0.05), ("critical_load", 1), ("gamma_t", 1)):
             self.refused(s, ["-D", f"materials[0].{key}={value}"], f"have `{key}`", "linear ones with friction mu alone")
         self.refused(s, ["-D", "materials[0].k_r=1", "-D", "materials[0].mu_r=0.1"], "have `mu_r`")
         deck = s.read_text() + 'fields = ( { type = "damping"; alpha = 0.1; } );'

@@ -33,7 +33,7 @@ static const trial trials[] = {
      false, false},
     {"general laws", "integrator = \"verlet\";",
      "law = \"hertz\"; k_n = 2e5; tangential = \"mindlin\"; k_t = 1e5; restitution = 0.7; mu = "
-     "0.3; mu_kinetic = 0.2; k_r = 500; mu_r = 0.05; gamma_t = 0.1;",
+     "0.3; mu_kinetic = 0.2; critical_load = 0.05; k_r = 500; mu_r = 0.05; gamma_t = 0.1;",
      SHAKE, "", false, false},
     {"nothing moves the walls", "integrator = \"verlet\";", LINEAR, "", "", false, false},
     {"a disk beyond the displacement limit",

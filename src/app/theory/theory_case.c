@@ -232,6 +232,7 @@ static const char *beyond_theory(const sd_contact_law *law) {
   return law->normal != SD_NORMAL_LINEAR ? "law"
          : features & LAW_MINDLIN        ? "tangential"
          : features & LAW_KINETIC        ? "mu_kinetic"
+         : features & LAW_CRITICAL       ? "critical_load"
          : features & LAW_DASHPOT        ? "gamma_t"
          : features & LAW_ROLLING        ? "mu_r"
          : features & LAW_COHESION       ? "cohesion"

@@ -258,10 +258,9 @@ LANE_INLINE LANE(real) LANE(normal_energy)(const LANE(contact_constants) * k, LA
          LANE(cohesion_energy)(&attraction, reach);
 }
 
-/* Computes the normal force of contacts, some of which may be held at a gap by cohesion or a
- * bond. Updates
- * m->force, m->pull and m->overlap, and sets out->viscous. *limit: set to the force that, times mu,
- * limits friction: the normal force without attraction, at least 0. If the overlap of a closed
+/* Computes the normal force of contacts, some of which may be held at a gap by cohesion or a bond.
+ * Updates m->force, m->pull and m->overlap, and sets out->viscous. *limit: set to the force that
+ * limits friction and rolling: the normal force without attraction, at least 0. If the overlap of a closed
  * contact changes sign within the step, the trapezoidal work is inexact; its difference from the
  * change of the stored energy is counted as viscous loss. */
 LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g,

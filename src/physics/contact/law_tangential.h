@@ -4,7 +4,9 @@
  *   K    = k_t, or k_t sqrt(delta) with Mindlin's law (Mindlin and Deresiewicz, J. Appl. Mech. 20,
  *          327, in the form of most codes)
  *   zeta = lambda - lambda*, the tangential displacement; lambda* is shifted so that
- *          |zeta| <= cap = mu F/K, with F = max(elastic + viscous normal force, 0), no attraction
+ *          |zeta| <= cap = mu F/K, with F = max(elastic + viscous normal force - F_c, 0), no
+ *          attraction; F_c: critical_load, in most laws 0 (Seto, Mari, Morris and Denn, Phys. Rev.
+ *          Lett. 111, 218301)
  *   tau  = -(K zeta + gamma_t dlambda/dt), |tau| <= mu F
  *
  * The spring takes its part of the limit mu F first; the dashpot gets at most the rest of it and
@@ -32,8 +34,8 @@ LANE_INLINE void LANE(firmness_of)(const LANE(contact_constants) * k, LANE(real)
 
 /* Advances the tangential spring and its dashpot by one step: updates m->lambda_ref, m->zeta and
  * m->tau, sets out->friction and out->slip, and adds the loss of the dashpot to out->viscous.
- * closed: lanes whose contact is closed after the step; limit: the force F that, times mu, limits
- * friction (see the top of this file); overlap: not negative. */
+ * closed: lanes whose contact is closed after the step; limit: F + F_c, at least 0 (see the top of
+ * this file); overlap: not negative. */
 LANE_INLINE void LANE(tangential_history)(const LANE(pair_geometry) * g,
                                           const LANE(contact_constants) * k, LANE(mask) closed,
                                           LANE(real) overlap, LANE(real) limit,
@@ -51,6 +53,7 @@ LANE_INLINE void LANE(tangential_history)(const LANE(pair_geometry) * g,
                         kept + half * (root + 1.0) * moved, zeta);
   }
   if (features & LAW_KINETIC) cap = LANE(select)(m->slid, k->cap_kinetic, cap);
+  if (features & LAW_CRITICAL) limit = LANE(max)(limit - k->critical_load, LANE(splat)(0.0));
   zeta = LANE(mask_zero)(closed, zeta);
   cap = cap * limit * f.inverse;
   LANE(real) capped = LANE(max)(LANE(min)(zeta, cap), -cap), slip = zeta - capped, both = capped;

@@ -465,7 +465,8 @@ static void check_closed(const engine *e, size_t k) {
     const double limit = math_max(force + r.pull, 0.0) + slack;
     assert(law->pulls > 0.0 || force + r.pull >= -slack);
     assert(r.pull >= 0.0 && r.pull <= law->pull_off && (r.overlap > 0.0 || limit <= 2.0 * slack));
-    assert(fabs(tau) <= law->cap * law->k_t * limit * (1.0 + ROUNDING) + sheared);
+    const double rubs = math_max(limit - law->critical_load, 0.0) + ROUNDING * law->critical_load;
+    assert(fabs(tau) <= law->cap * law->k_t * rubs * (1.0 + ROUNDING) + sheared);
     assert(law->drag_r > 0.0 ||
            fabs(roll) <= law->cap_r * law->k_r * limit * (1.0 + ROUNDING) + bent);
     assert(bonded || (r.bond_pull == 0.0 && r.bond_shear == 0.0 && r.bond_bend == 0.0));

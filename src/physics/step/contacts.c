@@ -581,7 +581,8 @@ void contacts_load(engine *e) {
 static bool slid_before(const engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const law_row *l = &e->work.laws[PAIR(p, k, law)];
-  const double limit = math_max(PAIR(p, k, force) + MORE(p, k, bond_pull) + MORE(p, k, pull), 0.0);
+  const double limit = math_max(
+      PAIR(p, k, force) + MORE(p, k, bond_pull) + MORE(p, k, pull) - l->critical_load, 0.0);
   return fabs(MORE(p, k, tau) + MORE(p, k, bond_shear)) <=
          (1.0 + 1e-6) * l->cap_kinetic * l->k_t * limit;
 }

@@ -601,7 +601,7 @@ bool window_run(engine *e, const team *t, int64_t n) {
  * steps. With any other one, steps are taken one by one. */
 enum {
   WINDOW_LAWS = LAW_NORMAL | LAW_PULLS | LAW_KINETIC | LAW_MINDLIN | LAW_DASHPOT | LAW_ROLLING |
-                LAW_COHESION | LAW_BRIDGE | LAW_RADIUS,
+                LAW_COHESION | LAW_BRIDGE | LAW_RADIUS | LAW_CRITICAL,
   WINDOW_MOVES = MOVES_WALLS | MOVES_SURFACES | MOVES_DISKS
 };
 
