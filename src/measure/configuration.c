@@ -402,7 +402,7 @@ void configuration_complete(const configuration *c, config_contact *k, const sd_
   const sd_contact_law *law =
       sd_model_law(m, a->material, b ? b->material : m->walls[k->b - m->n_disks].material);
   k->mu = law->mu;
-  k->push = k->force + law_pull(law, k->overlap);
+  k->push = math_max(k->force + law_pull(law, k->overlap) - law->critical_load, 0.0);
   k->k_t = law->gamma_t > 0.0 || law->tangential != SD_TANGENTIAL_SPRING ? 0.0 : law->k_t;
 }
 

@@ -123,7 +123,8 @@ typedef struct config_contact {
   double roll, couple; /* roll: rolling force; couple: its torque on a (opposite sign on b) */
   /* tangential stiffness if tau = -k_t zeta with zeta the tangential displacement, else 0 */
   double k_t;
-  /* normal force without attraction; friction is limited to mu times this force */
+  /* normal force without attraction, less the critical load, at least 0; friction is limited to mu
+   * times this force */
   double push;
   int slide;
 } config_contact;

@@ -304,7 +304,7 @@ static sd_status distribute_forces(correlation *t, const configuration *c, const
     if (!(q->force > 0.0) || !region_holds(g, centre[0] + 0.5 * q->lx, centre[1] + 0.5 * q->ly))
       continue;
     normal[n++] = q->force;
-    if (!(q->mu > 0.0) || !isfinite(q->tau)) continue;
+    if (!(q->mu > 0.0 && q->push > 0.0) || !isfinite(q->tau)) continue;
     tangential[n_skin] = fabs(q->tau);
     mobilised[n_skin++] = fabs(q->tau) / (q->mu * q->push);
     t->n_limit += q->slide != 0;

@@ -31,10 +31,10 @@ typedef struct correlation {
   double density;      /* number of disks per area of the window */
   double peak_r, peak; /* position r and height of the highest bin of g(r) */
   /* distributions of |F_n| and |tau| of load-bearing contacts in the region; tangential includes
-   * only contacts with mu > 0 */
+   * only contacts with friction: mu > 0, and a force above the critical load */
   distribution normal, tangential;
-  /* distribution of the mobilised friction: |tau| divided by its limit, mu times the normal force
-   * without attraction; not divided by its mean */
+  /* distribution of the mobilised friction in these contacts: |tau| divided by its limit, mu times
+   * config_contact.push; not divided by its mean */
   distribution mobilised;
   size_t n_limit; /* number of contacts counted in `mobilised` that slide */
 } correlation;

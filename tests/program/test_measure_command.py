@@ -133,6 +133,22 @@ class Measure(results_common.Folder):
         self.assertEqual(out, "")
         self.assertEqual(json.loads(written.read_text())["frames"], [frame])
 
+    def test_friction_above_a_critical_load(self):
+        """Two disks slide on a floor: one presses it with 1.5 times the critical load, the other with half of it."""
+        disks = ", ".join(f'{{ x = {x}; y = {0.1 - 10 * mass / 1e4}; radius = 0.1; mass = {mass}; vx = 0.5; locked = ("theta"); }}'
+                          for x, mass in ((0, 0.15), (1, 0.05)))
+        self.make('dt = 2e-5; gravity = { g = 10.0; }; materials = ( { name = "m"; k_n = 1e4; k_t = 5e3; mu = 0.4; critical_load = 1; } );'
+                  f' walls = ( {{ type = "line"; points = ( (-1, 0), (2, 0) ); }} ); disks = ( {disks} ); steps = 100;')
+        self.run_ok("measure", self.result, "--csv", self.folder / "tables")
+        pressed, light = rows(self.folder / "tables/contacts.csv")
+        self.assertAlmostEqual(pressed["tau"], -0.4 * (1.5 - 1.0), 9)
+        self.assertAlmostEqual(pressed["mobilised"], 1, 9)
+        self.assertEqual((light["tau"], math.isnan(light["mobilised"])), (0, True))
+        self.assertEqual([c["sliding"] for c in (pressed, light)], [-1, -1])
+        (frame,) = self.json()
+        self.assertEqual([frame[name]["count"] for name in ("normal_force", "tangential_force", "mobilised_friction")], [2, 1, 1])
+        self.assertAlmostEqual(frame["mobilised_friction"]["mean"], 1, 9)
+
     def test_tables_of_some_bodies(self):
         """Rows of disks and contacts over all frames."""
         named = BOX.replace("packings", 'disks = ( { name = "grain, red"; x = 0.0; y = 0.06; radius = 0.05; '
