@@ -141,10 +141,12 @@ ZEROS = {
     "no tangential spring": ({"friction": ("smooth",)}, {"mu": 0.5}),
     "no rolling friction": ({"rolling": ("none",)}, {"k_r": 500.0, "mu_r": 0.0}),
     "tiny rolling": ({"rolling": ("none",)}, {"k_r": TINY, "gamma_r": TINY, "mu_r": 0.5}),
-    "tiny tangential dashpot": ({"friction": ("spring", "stuck", "mindlin", "kinetic")}, {"gamma_t": TINY}),
+    "tiny tangential dashpot": ({"friction": ("spring", "stuck", "mindlin", "kinetic", "critical")}, {"gamma_t": TINY}),
     "tiny viscosity": ({"damping": ("elastic", "restitution", "pulls")}, {"gamma_n": TINY}),
     "restitution of 1": ({"damping": ("elastic", "viscous")}, {"restitution": 1.0}),
-    "kinetic friction as static": ({"friction": ("spring", "stuck", "dashpot", "mindlin")}, {"mu_kinetic": "mu"}),
+    "kinetic friction as static": ({"friction": ("spring", "stuck", "dashpot", "mindlin", "critical")}, {"mu_kinetic": "mu"}),
+    "tiny critical load": ({"friction": ("spring", "stuck", "dashpot", "mindlin", "kinetic")}, {"critical_load": TINY}),
+    "critical load beyond all forces": ({"friction": ("smooth",)}, {"k_t": 1e3, "mu": 0.5, "critical_load": 1e9}),
 }
 ATTRACTIONS = {
     "tiny cohesion": ({"cohesion": ("none",)}, {"cohesion": "constant", "pull_off": TINY, "range": 3e-3}),
