@@ -260,9 +260,9 @@ LANE_INLINE LANE(real) LANE(normal_energy)(const LANE(contact_constants) * k, LA
 
 /* Computes the normal force of contacts, some of which may be held at a gap by cohesion or a bond.
  * Updates m->force, m->pull and m->overlap, and sets out->viscous. *limit: set to the force that
- * limits friction and rolling: the normal force without attraction, at least 0. If the overlap of a closed
- * contact changes sign within the step, the trapezoidal work is inexact; its difference from the
- * change of the stored energy is counted as viscous loss. */
+ * limits friction and rolling: the normal force without attraction, at least 0. If the overlap of a
+ * closed contact changes sign within the step, the trapezoidal work is inexact; its difference from
+ * the change of the stored energy is counted as viscous loss. */
 LANE_INLINE void LANE(normal_history)(const LANE(pair_geometry) * g,
                                       const LANE(contact_constants) * k, LANE(mask) touching,
                                       LANE(mask) closed, const unsigned features,
