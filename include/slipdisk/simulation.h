@@ -123,6 +123,13 @@ SD_API sd_status sd_simulation_add_disks(sd_simulation *simulation, size_t n, co
 SD_API sd_status sd_simulation_remove_disks(sd_simulation *simulation, size_t n,
                                             const uint32_t *disks, sd_messages *messages);
 
+/* Bonds n pairs of bodies between two steps, by their numbers or SD_WALL(w): two surfaces whose gap
+ * is at most bond_gap of their law. A bond carries no force when it is made. Pairs that are bonded
+ * already stay as they are. Returns SD_ERROR_USER, with nothing changed, if a pair cannot be bonded.
+ * SD_ERROR_IO: no memory. */
+SD_API sd_status sd_simulation_bond(sd_simulation *simulation, size_t n, const uint32_t (*pairs)[2],
+                                    sd_messages *messages);
+
 /* --- steering --------------------------------------------------------------------------------- */
 
 /* Sets a quantity between two steps, for n indices at once. index: [n]; NULL: 0 ... n - 1. values:

@@ -159,7 +159,7 @@ sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_
   return status;
 }
 
-/* Increases the numbers of walls by n in motions and watched contacts, since walls are numbered
+/* Increases the numbers of walls by n in motions, watched contacts and bonds, since walls are numbered
  * after the disks. first: number of the first wall. */
 static void shift_walls(sd_model *m, uint32_t first, uint32_t n) {
   for (size_t k = 0; k < m->n_motions; k++) {
@@ -170,6 +170,11 @@ static void shift_walls(sd_model *m, uint32_t first, uint32_t n) {
   for (size_t k = 0; k < m->n_slides; k++)
     for (int side = 0; side < 2; side++)
       m->slides[k].partner[side] += m->slides[k].partner[side] >= first ? n : 0;
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_bonding *q = &m->phases[k].bond;
+    uint32_t *between = (uint32_t *)(uintptr_t)q->between;
+    for (size_t b = 0; b < q->n_between; b++) between[b] += between[b] >= first ? n : 0;
+  }
 }
 
 sd_model *simulation_model_copy(const sd_model *old, sd_messages *messages) {

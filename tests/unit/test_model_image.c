@@ -60,6 +60,8 @@ static void clear_elements(sd_model *m) {
     sd_phase *p = &m->phases[k];
     p->name = NULL, p->active = NULL, p->fields = NULL, p->hold = NULL, p->release = NULL;
     p->n_hold = p->n_release = 0;
+    p->bond.between = NULL, p->bond.pairs = NULL;
+    p->bond.n_between = p->bond.n_pairs = 0;
     m->averages[k].name = NULL, m->averages[k].text = NULL;
   }
 }

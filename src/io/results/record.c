@@ -29,13 +29,13 @@ void record_new(record *r, const sd_model *model, record_kind kind) {
   for (int k = 0; k < RECORD_TABLES; k++) r->tables[k] = tables[k];
   if (kind == RECORD_SHARE) {
     trajectory_add_bodies(add_key(&r->disks), model, "/disks/particles/disks", false, 0);
-    trajectory_add_contacts(add_key(&r->contact_rows), "/contacts/contacts");
+    trajectory_add_contacts(add_key(&r->contact_rows), model, "/contacts/contacts");
     return;
   }
   series_new(&r->series, model);
   trajectory_new_bodies(&r->disks, model, false, kind == RECORD_HEAD);
   trajectory_new_bodies(&r->walls, model, true, false);
-  trajectory_new_contacts(&r->contact_index, &r->contact_rows, kind == RECORD_HEAD);
+  trajectory_new_contacts(&r->contact_index, &r->contact_rows, model, kind == RECORD_HEAD);
   trajectory_new_clumps(&r->clumps, model);
   resultants_new(&r->sums, model);
 }

@@ -140,24 +140,34 @@ sd_status trajectory_sample_clumps(table *t, const moment *now, sd_messages *mes
 
 /* --- Contacts --------------------------------------------------------------------------------- */
 
-void trajectory_add_contacts(table *rows, const char *group) {
+/* True if contact tables of this model have this column. */
+static bool has_column(const sd_model *m, size_t k) {
+  const observable *o = &contact_observables.rows[k];
+  return !o->when || o->when(m);
+}
+
+void trajectory_add_contacts(table *rows, const sd_model *model, const char *group) {
   for (size_t k = 0; k < contact_observables.n; k++)
-    table_add_observable(rows, group, &contact_observables.rows[k], "", 0);
+    if (has_column(model, k))
+      table_add_observable(rows, group, &contact_observables.rows[k], "", 0);
 }
 
 void trajectory_put_contacts(table *rows, size_t column, const moment *now, size_t n,
                              const uint32_t *which) {
-  for (size_t k = 0; k < contact_observables.n; k++)
+  for (size_t k = 0; k < contact_observables.n; k++) {
+    if (!has_column(now->model, k)) continue;
     for (size_t c = 0; c < n; c++)
-      table_put(rows, column + k, c, &contact_observables.rows[k],
+      table_put(rows, column, c, &contact_observables.rows[k],
                 &(moment_contact){now->model, now->state, now->slots, which ? which[c] : c}, 1);
+    column++;
+  }
 }
 
-void trajectory_new_contacts(table *index, table *rows, bool shared) {
+void trajectory_new_contacts(table *index, table *rows, const sd_model *model, bool shared) {
   rows->compress = true;
   table_add_clock(index, "/contacts");
   table_add(index, "/contacts/count", SD_I64, 0, NULL, "1", "closed contacts at this step");
-  if (!shared) trajectory_add_contacts(rows, "/contacts");
+  if (!shared) trajectory_add_contacts(rows, model, "/contacts");
 }
 
 sd_status trajectory_sample_contacts(table *index, table *rows, const moment *now, size_t count,

@@ -29,7 +29,7 @@ void trajectory_new_clumps(table *t, const sd_model *model);
 sd_status trajectory_sample_clumps(table *t, const moment *now, sd_messages *messages);
 
 /* Adds the columns of the contact index and of the table of contacts. */
-void trajectory_new_contacts(table *index, table *rows, bool shared);
+void trajectory_new_contacts(table *index, table *rows, const sd_model *model, bool shared);
 /* Adds one row to the contact index and, unless each rank writes its own contacts (kind
  * RECORD_HEAD), one row per contact to `rows`. count: number of contacts at this time. */
 sd_status trajectory_sample_contacts(table *index, table *rows, const moment *now, size_t count,
@@ -46,7 +46,7 @@ size_t trajectory_put_bodies(table *t, size_t column, const moment *now, bool wa
 /* trajectory_add_contacts adds the columns of contacts to a table, one contact per row, below the
  * path `group`; trajectory_put_contacts fills these columns for n contacts, beginning with column
  * number `column`. which: indices of the contacts in the state; NULL: 0 ... n - 1. */
-void trajectory_add_contacts(table *rows, const char *group);
+void trajectory_add_contacts(table *rows, const sd_model *model, const char *group);
 void trajectory_put_contacts(table *rows, size_t column, const moment *now, size_t n,
                              const uint32_t *which);
 

@@ -34,8 +34,7 @@ void bonds_make(engine *e, size_t k) {
       bond_strength(law_of(e, k), bond_draw(e->model->seed, s->id[p->a[k]], s->id[p->b[k]]));
 }
 
-/* True if the surfaces of pair k are near enough for a bond, and can be joined. */
-static bool can_bond(const engine *e, size_t k) {
+bool bonds_can(const engine *e, size_t k) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   if (p->a[k] == PAIR_PADDING || !law_bonds(law_of(e, k))) return false;
@@ -81,7 +80,7 @@ sd_status bonds_begin_phase(engine *e) {
   if (b->n_between > 0 && !marks) return SD_ERROR_IO;
   if (e->halo) halo_refresh(e, NULL);
   for (size_t k = 0; k < p->count; k++)
-    if (can_bond(e, k) && is_meant(b, marks, s->id[p->a[k]], s->id[p->b[k]])) bonds_make(e, k);
+    if (bonds_can(e, k) && is_meant(b, marks, s->id[p->a[k]], s->id[p->b[k]])) bonds_make(e, k);
   free(marks);
   return SD_OK;
 }

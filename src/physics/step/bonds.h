@@ -8,6 +8,8 @@
  * becomes a closed contact, also across a gap. The bond carries no force at the present
  * coordinates. */
 void bonds_make(engine *e, size_t pair);
+/* True if pair k is of a law with bonds, in play, and near enough for a bond (bond_gap). */
+bool bonds_can(const engine *e, size_t pair);
 /* Makes the bonds with which the present phase begins (key bond). Collective. */
 sd_status bonds_begin_phase(engine *e);
 /* Bonds pair k, a contact that began in this step, if the present phase says so (bond.sinter). */

@@ -167,7 +167,7 @@ TYPES = [np.dtype("f8"), np.dtype("i8"), np.dtype("i4"), np.dtype("u4")]  # sd_t
 (PER_RUN, PER_BODY, PER_FREE, PER_SURFACE, PER_CONTACT, PER_MOTION, PER_CELL, PER_CELL_DISK, PER_PHASE, PER_ROTATION,
  PER_ROTATION_BIN, PER_SLIDE, PER_SLIDE_COUNT, PER_SLIDE_CONTACT, PER_MEAN, PER_MEAN_BIN, PER_VISIT, PER_VISIT_CONTACT,
  PER_VISIT_PART, PER_VISIT_CLASS, PER_VISIT_SUM, PER_VISIT_AGE, PER_FIELDED, PER_CLUMP, PER_LAW_CONTACT,
- PER_LAW_FREE, PER_AVERAGE, PER_AVERAGE_FORM, PER_AVERAGE_BIN) = range(29)  # sd_extent
+ PER_LAW_FREE, PER_BREAK, PER_AVERAGE, PER_AVERAGE_FORM, PER_AVERAGE_BIN) = range(30)  # sd_extent
 
 # sd_disk: a test sends one through the library and back.
 DISK = np.dtype([("name", "u8"), ("position", "f8", 3), ("velocity", "f8", 3), ("radius", "f8"), ("mass", "f8"),
@@ -288,6 +288,7 @@ FUNCTIONS = {
     "sd_simulation_add_force_field": (c_int, c_void_p, FORCE_FIELD, c_void_p, c_void_p),
     "sd_simulation_add_disks": (c_int, c_void_p, c_size_t, c_void_p, POINTER(c_uint32), c_void_p),
     "sd_simulation_remove_disks": (c_int, c_void_p, c_size_t, c_void_p, c_void_p),
+    "sd_simulation_bond": (c_int, c_void_p, c_size_t, c_void_p, c_void_p),
     "sd_simulation_set": (c_int, c_void_p, c_char_p, c_size_t, c_void_p, c_void_p, c_void_p),
     "sd_simulation_get": (c_double, c_void_p, c_char_p, c_uint32),
     "sd_simulation_index": (c_uint32, c_void_p, c_char_p, c_char_p, c_char_p),

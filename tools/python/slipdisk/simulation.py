@@ -461,6 +461,12 @@ class Simulation(Fixed, Shown):
         found = np.array(found, np.uint32)
         self._messages.check(self._library.sd_simulation_remove_disks(self._pointer, len(found), found.ctypes.data, self._list))
 
+    def bond(self, a: int | str, b: int | str) -> None:
+        """Bonds two bodies (numbers or names) whose gap is at most bond_gap of their law."""
+        pair = [self.find(one) if isinstance(one, str) else lib.whole(one, "bond: body", 0, self.n_disks + self.n_walls - 1) for one in (a, b)]
+        found = np.array(pair, np.uint32)
+        self._messages.check(self._library.sd_simulation_bond(self._pointer, 1, found.ctypes.data, self._list))
+
     # --- steering -------------------------------------------------------------------------------------------------
     def _indices(self, name, of):
         """Indices of sd_simulation_set, of disks, motions or materials by number or name; None: all disks."""
@@ -631,6 +637,13 @@ class Simulation(Fixed, Shown):
         found = {name[len("contact_"):]: columns._array(state, field) for name, field in library().fields.items()
                  if field.extent in (lib.PER_CONTACT, lib.PER_LAW_CONTACT)}
         return copied(structured({name: column for name, column in found.items() if len(column) == len(found["a"])}))
+
+    @indexed
+    def breaks(self) -> NDArray[np.void]:
+        """Bonds that have broken, a structured array (a copy): step, a, b (body numbers), mode (1 tension, 2 shear, 3 bending), x, y, energy."""
+        state, columns = self._state(), self.columns
+        return copied(structured({name[len("break_"):]: columns._array(state, field) for name, field in library().fields.items()
+                                  if field.extent == lib.PER_BREAK}))
 
     @indexed
     def energy(self) -> lib.Record[float]:
