@@ -10,7 +10,7 @@
  *   ways --results DECK...   writes a result in every way in which sessions go, and names it
  *   ways --list      names of the ways
  *
- * Lines of a deck like "# at 100: set law.mu 0 0.3", "add X Y RADIUS" and "remove NUMBER" are calls of
+ * Lines of a deck like "# at 100: set law.mu 0 0.3", "add X Y RADIUS", "remove NUMBER" and "bond A B" are calls of
  * the library at these steps.
  *
  * The plainest way is one thread, the narrowest vectors, the general step, one step at a time.
@@ -73,7 +73,7 @@ typedef struct outcome {
 /* Calls of the library between steps. */
 typedef struct call {
   long long step;
-  char name[32]; /* a quantity of sd_simulation_set, "add" or "remove" */
+  char name[32]; /* a quantity of sd_simulation_set, "add", "remove", "bond" */
   unsigned number;
   double value[3];
 } call;
@@ -117,6 +117,9 @@ static sd_status steer(sd_simulation *sim, const call *c, sd_messages *messages)
     status = sd_simulation_add_disks(sim, 1, &disk, NULL, messages);
   } else if (strcmp(c->name, "remove") == 0) {
     status = sd_simulation_remove_disks(sim, 1, &c->number, messages);
+  } else if (strcmp(c->name, "bond") == 0) {
+    const uint32_t pair[1][2] = {{c->number, (uint32_t)c->value[1]}};
+    status = sd_simulation_bond(sim, 1, pair, messages);
   } else {
     status = sd_simulation_set(sim, c->name, 1, &c->number, c->value, messages);
   }

@@ -409,3 +409,10 @@ def add_and_remove(r, deck):
     last, high = len(deck["disks"]), max(d["y"] + d["radius"] for d in deck["disks"])
     gone = r.choice(free_disks(deck))
     deck["calls"] = [f"70: add {r.uniform(-0.02, 0.02):.4g} {high + 0.06:.6g} 0.045", f"140: remove {gone}", f"210: remove {last}"]
+
+
+@added("calls", "bonds", bond=("none",), **UNBRIDGED, **SINGLE)
+def call_bonds(r, deck):
+    cement(r, deck, lambda: {"bond_k_n": r.uniform(300, 900), "bond_k_t": r.uniform(200, 500), "bond_extension": r.uniform(2e-4, 2e-3)})
+    del deck["phases"][0]["bond"]
+    deck["calls"] = [f"{step}: bond {r.choice(free_disks(deck))} {r.randrange(len(deck['disks']))}" for step in (1, 1, 60, 60, 120, 180)]
