@@ -121,7 +121,18 @@ static void close_phase(engine *e, const settle_measure *rest) {
   s->phase_step = 0;
 }
 
-static sd_status begin_bonds(engine *e) { return comm_agree(e->comm, bonds_begin_phase(e)); }
+static sd_status begin_bonds(engine *e, sd_messages *messages) {
+  const sd_bonding *b = &e->model->phases[e->state->phase].bond;
+  size_t made = 0;
+  const sd_status status = comm_agree(e->comm, bonds_begin_phase(e, &made));
+  if (status == SD_OK && b->asked && !b->later && comm_total(e->comm, (double)made) == 0.0)
+    sd_warn(
+        messages,
+        "phases[%lld].bond: no bond is made: no two surfaces that are named, with a law that has "
+        "bonds, are within its bond_gap",
+        (long long)e->state->phase);
+  return status;
+}
 
 static sd_status prepare_relaxing(engine *e) {
   if (!state_goes_on(e->model, e->state, relaxes)) relax_begin(e);
@@ -141,7 +152,8 @@ static sd_status prepare_motions(engine *e) {
 }
 
 /* Begins to measure the watched disks and the means of every disk. */
-static sd_status begin_measuring(engine *e) {
+static sd_status begin_measuring(engine *e, sd_messages *messages) {
+  (void)messages;
   if (!steps_are_measured(e)) return SD_OK;
   sample_begin(e);
   disks_begin(e);
@@ -151,7 +163,8 @@ static sd_status begin_measuring(engine *e) {
 /* Actions at the beginning of a phase, in this order. SD_ERROR_IO: out of memory. */
 static const struct {
   sd_status (*prepare)(engine *e); /* before forces are evaluated: sets what they depend on */
-  sd_status (*begin)(engine *e);   /* with contacts and forces as the first step finds them */
+  /* with contacts and forces as the first step finds them */
+  sd_status (*begin)(engine *e, sd_messages *messages);
 } phase_actions[] = {
     {.prepare = prepare_relaxing}, {.prepare = prepare_cell}, {.prepare = prepare_holding},
     {.prepare = prepare_motions},  {.begin = begin_bonds},    {.begin = begin_measuring},
@@ -168,7 +181,7 @@ sd_status loop_begin_phase(engine *e, sd_messages *messages) {
 static sd_status begin_with_forces(engine *e, sd_messages *messages) {
   sd_status status = SD_OK;
   for (size_t k = 0; k < PHASE_ACTIONS && status == SD_OK; k++)
-    if (phase_actions[k].begin) status = phase_actions[k].begin(e);
+    if (phase_actions[k].begin) status = phase_actions[k].begin(e, messages);
   return status == SD_OK ? SD_OK : sd_fail(messages, status, "out of memory for a phase");
 }
 

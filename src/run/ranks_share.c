@@ -142,6 +142,7 @@ summary_sums ranks_summary_sums(const engine *e) {
   summary_sums s = summary_sums_of(e->state);
   if (!e->halo) return s;
   s.contacts = ranks_count_contacts(e);
+  comm_add(e->comm, &s.bonds, 1);
   comm_total_exact(e->comm, &s.overlap, 1);
   s.farthest = comm_largest(e->comm, s.farthest);
   s.not_finite = comm_or(e->comm, s.not_finite);

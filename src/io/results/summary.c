@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/math.h"
 #include "base/memory.h"
 #include "base/team.h"
 #include "base/text.h"
@@ -254,8 +255,10 @@ summary_sums summary_sums_of(const sd_state *state) {
                         .farthest = summary_farthest(state),
                         .not_finite = summary_not_finite(state),
                         .lost = lost_of(state)};
-  for (size_t c = 0; c < state->n_contacts; c++)
-    exact_sum_add(&total.overlap, state->contact_overlap[c]);
+  for (size_t c = 0; c < state->n_contacts; c++) {
+    exact_sum_add(&total.overlap, math_max(state->contact_overlap[c], 0.0));
+    total.bonds += state->law_columns && state->contact_bond[c] > 0.0;
+  }
   return total;
 }
 

@@ -83,6 +83,7 @@ typedef enum doubt_kind {
   DOUBT_DISPLACEMENT, /* a disk or a prescribed body moved too far in one step */
   DOUBT_FINITE,       /* a number of the result is not finite */
   DOUBT_UNSTABLE,     /* the time step dt exceeds the limit of stability */
+  DOUBT_BONDS,        /* all bonds broke in one step */
   DOUBT_KINDS
 } doubt_kind;
 /* Texts for each kind of warning: name; meaning of value and limit; end of a sentence about runs of
@@ -193,6 +194,7 @@ typedef struct summary_lost {
 /* Sums over all disks and contacts of a run, also when they are distributed over several ranks. */
 typedef struct summary_sums {
   size_t contacts;   /* number of closed contacts */
+  int64_t bonds;     /* of these, bonds */
   exact_sum overlap; /* sum of the overlaps of the closed contacts, length */
   double farthest;   /* largest |x| + |y| + radius over all disks */
   /* one bit per column (velocities, forces) that has a number that is not finite; see

@@ -28,6 +28,8 @@ const struct doubt_row doubt_kinds[DOUBT_KINDS] = {
                       "with numbers that are not finite"},
     [DOUBT_UNSTABLE] = {"unstable", "dt over the limit of stability",
                         "whose dt is beyond the limit of stability: results mean nothing"},
+    [DOUBT_BONDS] = {"bonds", "bonds that broke in one step over all",
+                     "whose bonds all broke in one step"},
 };
 
 /* Gap between two bodies, divided by the radius, below which they count as touching. */
@@ -238,6 +240,16 @@ static void judge_unstable(summary *s, const sd_model *model) {
               model->dt, limit));
 }
 
+/* Warns if there were bonds and all of them broke in the same step. */
+static void judge_bonds(summary *s, const sd_state *state, int64_t bonds) {
+  const size_t n = state->n_breaks;
+  if (n < 2 || bonds > 0 || state->break_step[0] != state->break_step[n - 1]) return;
+  doubt(s, DOUBT_BONDS, 1, 1,
+        format_text("all %zu bonds broke in step %" PRId64
+                    ": they are weaker than the forces there, or too stiff for dt",
+                    n, state->break_step[0]));
+}
+
 void summary_judge(summary *s, const sd_limits *limits, const sd_model *model,
                    const sd_state *state, const summary_sums *sums) {
   judge_residual(s, limits->residual, sums ? rounding(model, sums) : 0, model);
@@ -246,6 +258,7 @@ void summary_judge(summary *s, const sd_limits *limits, const sd_model *model,
   if (!state || !sums) return;
   judge_displacement(s, limits->displacement, model, state);
   judge_finite(s, state, sums->not_finite);
+  judge_bonds(s, state, sums->bonds);
 }
 
 size_t summary_doubts(const summary *s) {

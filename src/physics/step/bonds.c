@@ -71,7 +71,7 @@ static bool is_meant(const sd_bonding *b, const bool *marks, uint32_t one, uint3
   return !marks || (marks[one] && marks[two]);
 }
 
-sd_status bonds_begin_phase(engine *e) {
+sd_status bonds_begin_phase(engine *e, size_t *made) {
   const sd_state *s = e->state;
   const pairs *p = &e->work.pairs;
   const sd_bonding *b = &e->model->phases[s->phase].bond;
@@ -79,8 +79,12 @@ sd_status bonds_begin_phase(engine *e) {
   bool *marks = marks_of(e->model, b);
   if (b->n_between > 0 && !marks) return SD_ERROR_IO;
   if (e->halo) halo_refresh(e, NULL);
-  for (size_t k = 0; k < p->count; k++)
-    if (bonds_can(e, k) && is_meant(b, marks, s->id[p->a[k]], s->id[p->b[k]])) bonds_make(e, k);
+  for (size_t k = 0; k < p->count; k++) {
+    if (!bonds_can(e, k) || MORE(p, k, bond) > 0.0) continue;
+    if (!is_meant(b, marks, s->id[p->a[k]], s->id[p->b[k]])) continue;
+    bonds_make(e, k);
+    (*made)++;
+  }
   free(marks);
   return SD_OK;
 }
