@@ -228,7 +228,8 @@ SD_API double sd_simulation_angle(const sd_simulation *simulation, uint32_t body
  * energy.
  *
  *   residual = kinetic_translation + kinetic_rotation + elastic_normal + elastic_tangential
- *              + elastic_rolling + elastic_bond + cohesion + external - start - (work + nonconservative_work)
+ *              + elastic_rolling + elastic_bond + cohesion + external - start
+ *              - (work + nonconservative_work)
  *              + viscous + friction + rolling + bridge + opening + broken_tension + broken_shear
  *              + broken_bending + drag + damping + relaxed
  *

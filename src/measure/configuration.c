@@ -61,18 +61,25 @@ sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messa
 sd_status frame_data_contacts(frame_data *f, size_t n, sd_messages *messages) {
   f->has_contacts = true;
   f->n_contacts = n;
-  const memory_column rows[] = {
-      {&f->a, n, sizeof *f->a},         {&f->b, n, sizeof *f->b},
-      {&f->part, n, sizeof *f->part},   {&f->overlap, n, sizeof *f->overlap},
-      {&f->force, n, sizeof *f->force}, {&f->tau, n, sizeof *f->tau},
-      {&f->roll, n, sizeof *f->roll},   {&f->slide, n, sizeof *f->slide}};
+  const memory_column rows[] = {{&f->a, n, sizeof *f->a},
+                                {&f->b, n, sizeof *f->b},
+                                {&f->part, n, sizeof *f->part},
+                                {&f->overlap, n, sizeof *f->overlap},
+                                {&f->force, n, sizeof *f->force},
+                                {&f->tau, n, sizeof *f->tau},
+                                {&f->roll, n, sizeof *f->roll},
+                                {&f->slide, n, sizeof *f->slide},
+                                {&f->bond, n, sizeof *f->bond},
+                                {&f->bond_pull, n, sizeof *f->bond_pull},
+                                {&f->bond_shear, n, sizeof *f->bond_shear}};
   if (memory_rows(sizeof rows / sizeof *rows, rows)) return SD_OK;
   return sd_fail(messages, SD_ERROR_IO, "no memory for %zu contacts", n);
 }
 
 void frame_data_free(frame_data *f) {
-  void *all[] = {f->position, f->velocity, f->angle,   f->spin,  f->activity, f->image, f->a,
-                 f->b,        f->part,     f->overlap, f->force, f->tau,      f->roll,  f->slide};
+  void *all[] = {f->position, f->velocity, f->angle, f->spin,      f->activity,  f->image,
+                 f->a,        f->b,        f->part,  f->overlap,   f->force,     f->tau,
+                 f->roll,     f->slide,    f->bond,  f->bond_pull, f->bond_shear};
   for (size_t k = 0; k < sizeof all / sizeof *all; k++) free(all[k]);
   *f = (frame_data){0};
 }
@@ -111,6 +118,10 @@ static void fill_contact(frame_data *f, size_t k, const sd_model *m, const sd_st
                                    configuration_material(m, f->b[k]));
   f->roll[k] = s->law_columns ? s->contact_roll[k] : 0.0;
   f->slide[k] = s->contact_slide[k];
+  if (!s->law_columns) return;
+  f->bond[k] = s->contact_bond[k];
+  f->bond_pull[k] = s->contact_bond_pull[k];
+  f->bond_shear[k] = s->contact_bond_shear[k];
 }
 
 sd_status frame_data_of_state(frame_data *f, const sd_model *m, const sd_state *s,
@@ -402,7 +413,7 @@ void configuration_complete(const configuration *c, config_contact *k, const sd_
   const sd_contact_law *law =
       sd_model_law(m, a->material, b ? b->material : m->walls[k->b - m->n_disks].material);
   k->mu = law->mu;
-  k->push = math_max(k->force + law_pull(law, k->overlap) - law->critical_load, 0.0);
+  k->push = math_max(k->force + k->bond_pull + law_pull(law, k->overlap) - law->critical_load, 0.0);
   k->k_t = law->gamma_t > 0.0 || law->tangential != SD_TANGENTIAL_SPRING ? 0.0 : law->k_t;
 }
 
@@ -433,6 +444,9 @@ static sd_status take_contacts(configuration *c, const sd_model *from, const fra
                                                     .force = f->force[k],
                                                     .tau = f->tau[k],
                                                     .roll = f->roll[k],
+                                                    .bond = f->bond[k],
+                                                    .bond_pull = f->bond_pull[k],
+                                                    .bond_shear = f->bond_shear[k],
                                                     .slide = f->slide[k]};
   }
   return SD_OK;

@@ -94,6 +94,7 @@ typedef struct frame_data {
   double *overlap, *force, *tau;
   double *roll; /* rolling force; 0 if not stored */
   int32_t *slide;
+  double *bond, *bond_pull, *bond_shear; /* 0 if there are no bonds */
 } frame_data;
 
 sd_status frame_data_new(frame_data *f, size_t n_disks, size_t n_walls, sd_messages *messages);
@@ -120,11 +121,12 @@ typedef struct config_contact {
   double x, y;   /* point of contact */
   double fx, fy; /* force on b; without its tangential part if tau is NAN */
   double overlap, force, tau, mu;
+  double bond, bond_pull, bond_shear; /* strength of a bond, 0: none; its tension and shear force */
   double roll, couple; /* roll: rolling force; couple: its torque on a (opposite sign on b) */
   /* tangential stiffness if tau = -k_t zeta with zeta the tangential displacement, else 0 */
   double k_t;
-  /* normal force without attraction, less the critical load, at least 0; friction is limited to mu
-   * times this force */
+  /* normal force without attraction and bond, less the critical load, at least 0; friction is
+   * limited to mu times this force */
   double push;
   int slide;
 } config_contact;

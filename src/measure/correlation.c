@@ -306,7 +306,7 @@ static sd_status distribute_forces(correlation *t, const configuration *c, const
     normal[n++] = q->force;
     if (!(q->mu > 0.0 && q->push > 0.0) || !isfinite(q->tau)) continue;
     tangential[n_skin] = fabs(q->tau);
-    mobilised[n_skin++] = fabs(q->tau) / (q->mu * q->push);
+    mobilised[n_skin++] = fabs(q->tau + q->bond_shear) / (q->mu * q->push);
     t->n_limit += q->slide != 0;
   }
   distribute(&t->normal, normal, n, CORRELATION_FORCES, bins, true);

@@ -109,6 +109,10 @@ size_t measurement_width(const observable *o, size_t bins) {
 
 OBSERVABLE_GET(sliding, measurement,
                at->c.recomputed || at->c.frictionless ? NAN : (double)at->s.n_sliding)
+/* Bonds are not known if contacts were recomputed. */
+OBSERVABLE_GET(bonds, measurement, at->c.recomputed ? NAN : (double)at->s.n_bonds)
+OBSERVABLE_GET(fragments, measurement, at->c.recomputed ? NAN : (double)at->s.fragments)
+OBSERVABLE_GET(largest_fragment, measurement, at->c.recomputed ? NAN : at->s.largest_fragment)
 OBSERVABLE_GET(overlap_max, measurement, at->s.n_contacts > 0 ? at->s.overlap_max : NAN)
 /* Returns the fraction of the contacts with friction that slide; NAN if the contacts were not
  * stored but recomputed, as their tangential force is then unknown. */
@@ -188,6 +192,11 @@ static const observable rows[] = {
     GOT_COUNT("sliding", sliding, "of these, sliding", "sliding", "contacts.sliding"),
     OBSERVABLE_FIELD("recomputed", "1", "contacts were found again from positions and velocities",
                      FLAG, measurement, c.recomputed, NULL, "contacts.recomputed"),
+    GOT_COUNT("bonds", bonds, "bonds of all disks", "bonds", "contacts.bonds"),
+    GOT_COUNT("fragments", fragments, "bodies of bonded disks, single disks too", "fragments",
+              "contacts.fragments"),
+    GOT("largest_fragment", largest_fragment, "mass", "mass of the heaviest of them",
+        "largest_fragment", "contacts.largest_fragment"),
     REAL("z", s.z, "1", "closed contacts per free disk", "z", "contacts.z"),
     REAL("z_bearing", s.z_bearing, "1", "load-bearing contacts per free disk", "z_bearing",
          "contacts.z_bearing"),

@@ -193,6 +193,31 @@ void stress_add_contact(exact_sum sum[4], const region *g, const config_contact 
   for (int e = 0; e < 4; e++) exact_sum_add(&sum[e], part * l[e / 2] * f[e % 2]);
 }
 
+/* Counts bonds, and bodies of disks that they join. SD_ERROR_IO: out of memory. */
+static sd_status find_fragments(stress *s, const configuration *c, scratch *room) {
+  const sd_model *m = c->model;
+  uint32_t *root;
+  double *mass;
+  if (!memory_rows(2, (memory_column[]){{&root, m->n_disks, sizeof *root},
+                                        {&mass, m->n_disks, sizeof *mass}}))
+    return SD_ERROR_IO;
+  for (size_t k = 0; k < c->n_contacts; k++) {
+    const config_contact *q = &c->contacts[k];
+    if (q->bond > 0.0) room->edges[s->n_bonds++] = (graph_edge){node_of(c, q->a), node_of(c, q->b)};
+  }
+  graph_clusters(m->n_disks, s->n_bonds, room->edges, root);
+  for (uint32_t i = 0; i < m->n_disks; i++) {
+    if (!configuration_is_free(c, i)) continue;
+    double *of = &mass[root[node_of(c, i)]];
+    s->fragments += *of == 0.0;
+    *of += m->disks[i].mass;
+    s->largest_fragment = math_max(s->largest_fragment, *of);
+  }
+  free(root);
+  free(mass);
+  return SD_OK;
+}
+
 static void contact_stress(stress *s, const configuration *c, const region *g) {
   const sd_model *m = c->model;
   exact_sum sum[4] = {0};
@@ -258,7 +283,8 @@ sd_status stress_new(stress *s, const configuration *c, const region *g, sd_mess
   add_body_forces(s, m);
   for (size_t i = 0; i < n; i++)
     room.inside[i] = region_holds(g, m->disks[i].position[0], m->disks[i].position[1]);
-  const sd_status status = find_rattlers(s, c, &room);
+  sd_status status = find_rattlers(s, c, &room);
+  if (status == SD_OK) status = find_fragments(s, c, &room);
   count_disks(s, c, g, room.inside, room.left);
   sum_bodies(s, c, g, &room);
   stress_kinetic(s->kinetic, c, s->area, room.n_bodies, room.bodies, NULL);

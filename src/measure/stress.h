@@ -56,6 +56,10 @@ typedef struct stress {
    * prescribed disk */
   size_t n_contacts, n_bearing, n_wall;
   size_t n_sliding;
+  /* bonds of the whole configuration; bodies of bonded free disks, single disks and clumps included,
+   * and the mass of the heaviest */
+  size_t n_bonds, fragments;
+  double largest_fragment;
   /* coordination: mean number of closed and of load-bearing contacts per free disk */
   double z, z_bearing;
   /* mean number of load-bearing contacts of a non-rattler with other non-rattlers, walls and

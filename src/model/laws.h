@@ -37,8 +37,8 @@ void laws_count_uses(const sd_model *model, law_use *use);
  * more. */
 bool laws_find_missing(const sd_model *model, const law_use *use, size_t *a, size_t *b);
 
-/* Returns the largest gap at which two bodies of the model exert a force on each other, by attraction
- * or a bond; 0: only where they touch. */
+/* Returns the largest gap at which two bodies of the model exert a force on each other, by
+ * attraction or a bond; 0: only where they touch. */
 double laws_range(const sd_model *model);
 
 #endif

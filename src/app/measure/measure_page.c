@@ -90,6 +90,9 @@ static void page_contacts(FILE *out, const measurement *m) {
   else
     line(out, "closed", (double)s->n_contacts, "%zu with walls or prescribed disks, %zu bear load",
          s->n_wall, s->n_bearing);
+  if (s->n_bonds > 0)
+    line(out, "bonds", (double)s->n_bonds, "%zu bodies of bonded disks, mass of the heaviest %s",
+         s->fragments, shown(s->largest_fragment, 6, text[0]));
   if (s->n_contacts == 0) return;
   line(out, "per disk", s->z, "%s load-bearing, %s without rattlers",
        shown(s->z_bearing, 6, text[0]), shown(s->z_backbone, 6, text[1]));

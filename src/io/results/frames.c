@@ -356,6 +356,16 @@ static sd_status frame_contacts(const h5_file *file, frame_data *f, sd_messages 
   for (size_t k = 0; status == SD_OK && k < sizeof columns / sizeof *columns; k++)
     status = h5_get_values(file, columns[k].path, columns[k].type, (size_t)first, (size_t)n, 1,
                            columns[k].data, messages);
+  const struct {
+    const char *path;
+    double *data;
+  } bonds[] = {{"/contacts/bond", f->bond},
+               {"/contacts/bond_pull", f->bond_pull},
+               {"/contacts/bond_shear", f->bond_shear}};
+  for (size_t k = 0; status == SD_OK && k < sizeof bonds / sizeof *bonds; k++)
+    if (h5_exists(file, bonds[k].path))
+      status = h5_get_values(file, bonds[k].path, SD_F64, (size_t)first, (size_t)n, 1,
+                             bonds[k].data, messages);
   return status;
 }
 

@@ -74,8 +74,8 @@ LANE_INLINE void LANE(bond_loads)(const LANE(contact_constants) * k, LANE(real) 
 
 /* Advances bonds by one step, before the rest of the contact: updates the bond_ members of *m, and
  * makes m->force, m->tau and m->roll those without the bond before the step. g: geometry with slide
- * and rho. exists: lanes in which the two surfaces still face each other; bonds elsewhere break. Without LAW_BOND in
- * `features` only *out is set, to zeros. */
+ * and rho. exists: lanes in which the two surfaces still face each other; bonds elsewhere break.
+ * Without LAW_BOND in `features` only *out is set, to zeros. */
 LANE_INLINE void LANE(bond_step)(const LANE(pair_geometry) * g, const LANE(contact_constants) * k,
                                  LANE(mask) exists, const int paper, const unsigned features,
                                  LANE(contact_memory) * m, LANE(bond_output) * out) {

@@ -6,8 +6,8 @@
  *   bonds of length L = R_a + R_b: k_n = E width/L, k_t = k_n/(2 (1 + nu)),
  *   k_r = E width^3/(12 L R_eff^2)
  *
- * (Johnson, Contact Mechanics, sections 4.2 and 7.2; an elastic beam). The table of laws has the values for
- * R_eff = 1; law_at (model/normal_laws.h) does the same for single contacts. */
+ * (Johnson, Contact Mechanics, sections 4.2 and 7.2; an elastic beam). The table of laws has the
+ * values for R_eff = 1; law_at (model/normal_laws.h) does the same for single contacts. */
 
 /* Returns 1/(ra + rb), or 1 if the sum is 0, as for padding pairs. */
 LANE_INLINE LANE(real) LANE(inverse_sum)(LANE(real) ra, LANE(real) rb) {
