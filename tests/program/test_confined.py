@@ -7,7 +7,7 @@ import unittest
 
 from results_common import PROGRAM, ROOT, Folder
 
-DECK = """dt = 1e-4; steps = 20; materials = ( { name = "m"; k_n = 1e4; } );
+DECK = """dt = 1e-4; steps = 20; materials = ( { name = "m"; k_n = 1e4; bond_k_n = 1.0; bond_extension = 0.01; } );
 disks = ( { name = "a"; x = 0.5; y = 0.5; radius = 0.1; mass = 1; fixed = true; } );
 """
 # key of the reference: what a deck says, with the path in place of PATH, and what the file holds
@@ -17,6 +17,8 @@ KEYS = {
                                                            "0 4\n0 4\n-0.5 0.5\nITEM: ATOMS id type x y radius\n"),
     "motions.file": ('motions = ( { disk = "a"; coordinate = "x"; type = "table"; file = "PATH"; } );',
                      "time,value\n0,0\n0.001,0\n0.002,0\n"),
+    "phases.file": ('disk_rows = ( { columns = ("x", "y"); radius = 0.1; '
+                    'mass = 1; rows = ( (1.5, 0.5), (1.7, 0.5) ); } ); phases = ( { steps = 20; bond = { file = "PATH"; }; } );', "a,b\n0,1\n"),
 }
 INCLUDE = '\n@include "PATH"\n', 'title = "read";\n'
 ENDINGS = {"box.file": ".dump"}
@@ -55,7 +57,8 @@ class Confined(Folder):
         return [f"../{name}", str(self.folder / name), f"sub/../../{name}", f"out/{name}", f"out/home/../{name}", "link" + name, "sub/link" + name]
 
     def deck(self, text, path, where="deck.cfg"):
-        (self.home / where).write_text(DECK + text.replace("PATH", str(path)))
+        base = DECK.replace("steps = 20; ", "") if "phases" in text else DECK
+        (self.home / where).write_text(base + text.replace("PATH", str(path)))
         return self.home / where
 
     def test_the_keys_of_this_test_are_all(self):
