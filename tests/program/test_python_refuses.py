@@ -25,6 +25,7 @@ N = 9
 DECK = {"dt": 1e-3, "steps": 1000, "integrator": "verlet", "materials": {"grain": {"k_n": 1e4}},
         "walls": {"floor": {"type": "line", "points": [[-1, -5], [50, -5]]}}}
 DISKS = {"x": np.arange(N) * 1.0, "y": 0.0, "radius": 0.4, "mass": 1.0, "name": [f"d{k}" for k in range(N)]}
+BONDED = {**DECK, "materials": {"grain": {"k_n": 1e4, "bond_k_n": 1e3, "bond_gap": 0.3, "bond_extension": 0.1}}}
 SHORT = {"phases.settle.steps": 2000, "phases.measure.steps": 4000, "phases.measure.frames": 1000, "phases.measure.contacts": 1000}
 RATCHET = slipdisk.inputs / "three_disk/random.cfg"
 SWEPT = {**SHORT, "sweep": {"parameters": [{"path": "gravity.g", "name": "g", "values": [9, 10.0]}]}}
@@ -142,6 +143,8 @@ def entries(folder, r, sw):
             taken) for key, taken in {"x": f"{NUMBER} (0,) (1,) (2,) (N,)", "y": NUMBER, "radius": "", "mass": "float int", "density": "float int",
                                       "vx": f"{NUMBER} (N,)", "material": "", "colour": ""}.items()},
         "Simulation.remove_disks:disks": (lambda s, v: s.remove_disks(v), "int (0,)"),
+        "Simulation.bond:a": (lambda s, v: slipdisk.Simulation(BONDED, disks=DISKS).bond(v, 0), "int"),
+        "Simulation.bond:b": (lambda s, v: slipdisk.Simulation(BONDED, disks=DISKS).bond(0, v), "int"),
         **{f"Simulation.set:values {name}": (lambda s, v, name=name: s.set(name, v), taken) for name, taken in {
             "x": "(N,)", "position": "(N,2)", "velocity": "(2,) (N,2)", "vx": f"{NUMBER} (N,)", "angle": f"{NUMBER} (N,)", "mass": "float int",
             "held": "int true", "gravity": "(2,)"}.items()},

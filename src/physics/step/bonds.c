@@ -11,7 +11,6 @@
 #include "physics/contact/evaluate.h"
 #include "physics/contact/pairs.h"
 #include "physics/contact/walls.h"
-#include "physics/step/contacts.h"
 #include "physics/system/bodies.h"
 #include "physics/system/halo.h"
 
@@ -21,11 +20,39 @@ static const sd_contact_law *law_of(const engine *e, size_t k) {
   return &e->model->laws[PAIR(&e->work.pairs, k, law)];
 }
 
+/* Returns the point of pair k's wall segment that is nearest to its disk; *belongs: false if it
+ * belongs to another segment. */
+static nearest_point point_on_wall(const engine *e, size_t k, bool *belongs) {
+  const work *w = &e->work;
+  const double x = e->state->x[w->pairs.a[k]], y = e->state->y[w->pairs.a[k]];
+  placed_segment image;
+  const placed_segment *g = walls_image(w->length, &w->segments[w->pairs.part[k]], x, y, &image);
+  const nearest_point q = walls_nearest(g, x, y);
+  *belongs = joints_active(e, k, g, &q);
+  return q;
+}
+
+/* Closes the open contact of candidate pair k at its present gap, without displacements or
+ * forces. */
+static void close_contact(engine *e, size_t k) {
+  pairs *p = &e->work.pairs;
+  const contact_geometry open = contact_geometry_of(e, k);
+  bool belongs;
+  PAIR(p, k, ex) = open.nx;
+  PAIR(p, k, ey) = open.ny;
+  if (pairs_is_segment(p, k)) p->side[k] = point_on_wall(e, k, &belongs).side;
+  pairs_set_flags(p, k, true, 0);
+  const contact_geometry g = contact_geometry_of(e, k);
+  PAIR(p, k, lambda_ref) = g.lambda;
+  PAIR(p, k, overlap) = g.overlap;
+  MORE(p, k, rho_ref) = contact_rho_of(e, k);
+}
+
 void bonds_make(engine *e, size_t k) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
   if (!law_bonds(law_of(e, k)) || MORE(p, k, bond) > 0.0) return;
-  if (!pairs_closed(p, k)) contacts_close(e, k);
+  if (!pairs_closed(p, k)) close_contact(e, k);
   const contact_geometry g = contact_geometry_of(e, k);
   MORE(p, k, bond_overlap) = g.overlap;
   MORE(p, k, bond_lambda) = g.lambda;
@@ -41,7 +68,9 @@ bool bonds_can(const engine *e, size_t k) {
   const size_t ends[2] = {(size_t)p->a[k], (size_t)p->b[k]};
   for (int n = 0; n < 2; n++)
     if (ends[n] < s->n_free && !body_in_play(s, ends[n])) return false;
-  if (!pairs_closed(p, k) && !contacts_can_close(e, k)) return false;
+  bool belongs = true;
+  if (!pairs_closed(p, k) && pairs_is_segment(p, k)) point_on_wall(e, k, &belongs);
+  if (!belongs) return false;
   return -contact_geometry_of(e, k).overlap <= law_of(e, k)->bond_gap;
 }
 

@@ -78,30 +78,6 @@ static void rebase(engine *e, size_t k) {
   }
 }
 
-bool contacts_can_close(const engine *e, size_t k) {
-  const pairs *p = &e->work.pairs;
-  const sd_state *s = e->state;
-  if (!pairs_is_segment(p, k)) return true;
-  placed_segment image;
-  const double x = s->x[p->a[k]], y = s->y[p->a[k]];
-  const placed_segment *g =
-      walls_image(e->work.length, &e->work.segments[p->part[k]], x, y, &image);
-  const nearest_point q = walls_nearest(g, x, y);
-  return joints_active(e, k, g, &q);
-}
-
-void contacts_close(engine *e, size_t k) {
-  pairs *p = &e->work.pairs;
-  assert(!pairs_closed(p, k));
-  normal(e, k, &PAIR(p, k, ex), &PAIR(p, k, ey));
-  if (pairs_is_segment(p, k)) p->side[k] = nearest_on_piece(e, k).side;
-  pairs_set_flags(p, k, true, 0);
-  const contact_geometry g = contact_geometry_of(e, k);
-  PAIR(p, k, lambda_ref) = g.lambda;
-  PAIR(p, k, overlap) = g.overlap;
-  if (p->more) MORE(p, k, rho_ref) = contact_rho_of(e, k);
-}
-
 static void book_opening(engine *e, size_t k, double energy) {
   sd_state *s = e->state;
   int32_t a = e->work.pairs.a[k], b = e->work.pairs.b[k];

@@ -36,12 +36,6 @@ static inline bool contacts_any_event(const work *w) {
  * whose change had to wait for these poses. Collective. Returns SD_ERROR_IO if memory runs out. */
 sd_status contacts_update_ghosts(engine *e);
 
-/* Closes the open contact of candidate pair k at its present gap, without displacements or forces.
- * contacts_can_close: false if it is with a wall segment whose nearest point belongs to another
- * segment. */
-void contacts_close(engine *e, size_t pair);
-bool contacts_can_close(const engine *e, size_t pair);
-
 /* Checks pairs of disks before the first step. *deepest: the largest overlap (relative to the
  * smaller radius) among pairs that are not contacts of the input packing; it is used for advice to
  * the user (advice_overlap). Returns SD_ERROR_USER with a message if a pair overlaps by more than
