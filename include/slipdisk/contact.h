@@ -27,7 +27,7 @@
     "put in by the paper's tangential force since the contact began")
 
 /* X(name, unit, meaning, laws): further quantities. `laws` is the part of a contact law that needs
- * the quantity: ROLLING, COHESION, BOND, or GENERAL for any of these, damping that may pull, kinetic
+ * the quantity: ROLLING, COHESION, BOND, BOND_MADE (set when a bond is made, and when it breaks), or GENERAL for any of these, damping that may pull, kinetic
  * friction, Mindlin's tangential spring or a tangential dashpot. They are 0 unless a law of the
  * model has that part. SD_CONTACT_MEMORY has what the next step needs, SD_CONTACT_LOSSES sums of
  * energies. */
@@ -37,10 +37,10 @@
   X(rho_ref, "length", "reference of the rolling displacement", ROLLING)                           \
   X(rho, "length", "rolling displacement R_eff (theta_a - theta_b) from there", ROLLING)           \
   X(roll, "force", "rolling force; over the arm R_eff it is the couple", ROLLING)                  \
-  X(bond, "1", "0: no bond; else its strength over that of the law", BOND)                         \
-  X(bond_overlap, "length", "overlap when the bond was made, negative for a gap", BOND)            \
-  X(bond_lambda, "length", "tangential coordinate lambda when the bond was made", BOND)            \
-  X(bond_rho, "length", "rolling displacement when the bond was made", BOND)                       \
+  X(bond, "1", "0: no bond; else its strength over that of the law", BOND_MADE)                    \
+  X(bond_overlap, "length", "overlap when the bond was made, negative for a gap", BOND_MADE)       \
+  X(bond_lambda, "length", "tangential coordinate lambda when the bond was made", BOND_MADE)       \
+  X(bond_rho, "length", "rolling displacement when the bond was made", BOND_MADE)                  \
   X(bond_pull, "force", "tension in the bond, by which the normal force is smaller", BOND)         \
   X(bond_shear, "force", "shear force in the bond, by which tau is smaller", BOND)                 \
   X(bond_bend, "force", "moment in the bond over the arm R_eff", BOND)

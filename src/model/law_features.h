@@ -21,6 +21,7 @@ enum {
   LAW_RADIUS = 256,   /* stiffness from a modulus and R_eff (E_star) */
   LAW_CRITICAL = 512, /* friction above a critical load only */
   LAW_BOND = 1024,
+  LAW_BOND_MADE = LAW_BOND, /* what is set when a bond is made */
   LAW_BEAM = 2048, /* bonds whose stiffness follows from a modulus and the radii (bond_E) */
   LAW_GAP = LAW_COHESION | LAW_BOND, /* contacts that may be closed across a gap */
   LAW_GENERAL = ~LAW_NORMAL
@@ -28,6 +29,16 @@ enum {
 /* True if a pass over general laws with these features needs what the part `laws` of a law needs:
  * a row of SD_CONTACT_MORE (slipdisk/contact.h). */
 #define LAW_NEEDS(features, laws) (LAW_##laws == LAW_GENERAL || ((features)&LAW_##laws) != 0)
+/* True if quantities of the part `laws` change in steps in which no contact begins, ends or
+ * breaks. */
+#define LAW_CHANGES(laws) (LAW_CHANGES_##laws != 0)
+enum {
+  LAW_CHANGES_GENERAL = 1,
+  LAW_CHANGES_COHESION = 1,
+  LAW_CHANGES_ROLLING = 1,
+  LAW_CHANGES_BOND = 1,
+  LAW_CHANGES_BOND_MADE = 0
+};
 /* Returns the flags LAW_... of the parts that one contact law has; 0 if the law is not given. */
 unsigned law_features(const sd_contact_law *law);
 

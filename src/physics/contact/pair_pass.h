@@ -47,6 +47,12 @@ LANE_INLINE LANE(contact_constants) LANE(constants)(const work *w) {
 LANE_INLINE LANE(contact_constants)
     LANE(constants_of)(const work *w, const int32_t *law, const int mixed) {
   double row[6][LANE_WIDTH];
+  if (w->one_law) {
+    LANE(contact_constants) one = LANE(constants)(w);
+    one.normal = LANE(splat)(w->laws->normal);
+    one.tsuji = LANE(splat)(w->laws->tsuji);
+    return one;
+  }
   for (int l = 0; l < LANE_WIDTH; l++) {
     const law_row *r = &w->laws[law[l]];
     row[0][l] = r->k_n;
@@ -73,6 +79,10 @@ LANE_INLINE LANE(contact_constants)
 /* Loads one member of law_row, at byte offset `member`, for the laws of LANE_WIDTH pairs. */
 LANE_INLINE LANE(real) LANE(law_number)(const work *w, const int32_t *law, size_t member) {
   double row[LANE_WIDTH];
+  if (w->one_law) {
+    memcpy(row, (const char *)w->laws + member, sizeof *row);
+    return LANE(splat)(row[0]);
+  }
   for (int l = 0; l < LANE_WIDTH; l++)
     memcpy(&row[l], (const char *)&w->laws[law[l]] + member, sizeof *row);
   return LANE(load)(row);
@@ -160,11 +170,12 @@ LANE_INLINE void LANE(add_loss)(double *sum, LANE(real) loss) {
   LANE(store)(sum, LANE(load)(sum) + loss);
 }
 
-LANE_INLINE void LANE(store_more)(pair_more *more, size_t l, const unsigned features,
+/* all: also what only changes when contacts begin, end or break. */
+LANE_INLINE void LANE(store_more)(pair_more *more, size_t l, const unsigned features, const int all,
                                   const LANE(contact_memory) * m,
                                   const LANE(contact_output) * out) {
 #define MEMORY_STORE(name, unit, meaning, laws)                                                    \
-  if (LAW_NEEDS(features, laws)) LANE(store)(more->name + l, m->name);
+  if (LAW_NEEDS(features, laws) && (all || LAW_CHANGES(laws))) LANE(store)(more->name + l, m->name);
 #define LOSS_STORE(name, unit, meaning, laws)                                                      \
   if (LAW_NEEDS(features, laws)) LANE(add_loss)(more->name + l, out->name);
   SD_CONTACT_MEMORY(MEMORY_STORE)
@@ -433,7 +444,7 @@ LANE(contact_evaluate_slow)(engine *e, thread_work *mine, LANE(location) at,
   if (LANE(any)(which)) LANE(note)(e, mine, at, which, was_closed, out.dropped, &bond);
   LANE(scatter)(w->sums.row, at, &out);
   LANE(store_memory)(at, paper, &m, &out);
-  if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, &m, &out);
+  if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, 1, &m, &out);
   if (features & LAW_ROLLING) LANE(scatter_couple)(e, at, &out);
   LANE(store)(b->ex + at.l, m.ex);
   LANE(store)(b->ey + at.l, m.ey);
@@ -499,7 +510,7 @@ LANE_INLINE void LANE(contact_evaluate)(engine *e, thread_work *mine, LANE(locat
   LANE(contact_history)(&g, &k, touching, touching, paper, features, &m, &out);
   if (kind & PASS_GENERAL && features & LAW_BOND) LANE(bond_add)(&g, &bond, &m, &out);
   LANE(store_memory)(at, paper, &m, &out);
-  if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, &m, &out);
+  if (kind & PASS_GENERAL) LANE(store_more)(LANE(more_of)(w, at), at.l, features, 0, &m, &out);
   LANE(set_slides)(flags, at.l, out.slip);
   const LANE(mask) across =
       kind & PASS_CELL ? touching & LANE(greater)(d->away, LANE(splat)(0.0)) : touching;

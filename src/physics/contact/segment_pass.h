@@ -305,7 +305,8 @@ LANE_INLINE void LANE(evaluate_segments)(engine *e, thread_work *mine, size_t at
   LANE(contact_force)(&g, &k, LANE(select)(flat, lever, g.lever), features, &m, &out);
   LANE(scatter_segments)(e, at, &found, &out);
   LANE(store_memory)(here, 0, &m, &out);
-  if (features & LAW_GENERAL) LANE(store_more)(LANE(more_of)(w, here), here.l, features, &m, &out);
+  if (features & LAW_GENERAL)
+    LANE(store_more)(LANE(more_of)(w, here), here.l, features, 1, &m, &out);
   LANE(store_sides)(&w->pairs, mine, at, touching, closed, &found);
   LANE(store_flags_on_walls)(&w->pairs, at, touching, out.slip);
 }
