@@ -288,7 +288,7 @@ double bond_draw(int64_t seed, uint32_t a, uint32_t b) {
 sd_contact_law bond_law_at(const sd_contact_law *law, double ra, double rb, double arm) {
   sd_contact_law at = *law;
   if (!(law->bond_E > 0.0)) return at;
-  const double length = ra + math_max(rb, 0.0), w = law->bond_width;
+  const double length = ra + rb, w = law->bond_width;
   at.bond_k_n = law->bond_E * w / length;
   at.bond_k_t = at.bond_k_n / (2.0 * (1.0 + law->bond_poisson));
   at.bond_k_r = law->bond_E * w * w * w / (12.0 * length * arm * arm);

@@ -60,8 +60,8 @@ static double bond_energy_of(const engine *e, size_t k, double delta, double lam
   const pairs *p = &e->work.pairs;
   const double ra = e->state->radius[p->a[k]], rb = e->state->radius[p->b[k]];
   const double arm = walls_arm(ra, pairs_is_segment(p, k) ? joints_radius(e, k) : rb);
-  const sd_contact_law l =
-      bond_law_at(&e->model->laws[PAIR(p, k, law)], ra, pairs_is_segment(p, k) ? 0.0 : rb, arm);
+  const bool wall = (size_t)p->b[k] >= e->state->n_disks;
+  const sd_contact_law l = bond_law_at(&e->model->laws[PAIR(p, k, law)], ra, wall ? 0.0 : rb, arm);
   const double normal = MORE(p, k, bond_overlap) - delta, shear = lambda - MORE(p, k, bond_lambda),
                bend = rho - MORE(p, k, bond_rho);
   return 0.5 *

@@ -3,7 +3,7 @@
  *
  *   k_n = 4/3 E* sqrt(R_eff), k_t = k_n 3 (1 - nu)/(2 - nu), R_eff = R_a R_b/(R_a + R_b)
  *
- *   bonds of length L = R_a + R_b: k_n = E width/L, k_t = k_n/(2 (1 + nu)),
+ *   bonds of length L = R_a + R_b, at walls R_a: k_n = E width/L, k_t = k_n/(2 (1 + nu)),
  *   k_r = E width^3/(12 L R_eff^2)
  *
  * (Johnson, Contact Mechanics, sections 4.2 and 7.2; an elastic beam). The table of laws has the

@@ -139,8 +139,12 @@ LANE_INLINE LANE(contact_constants)
     const double *radius = w->packed + PACKED_RADIUS;
     const LANE(real) ra = LANE(gather)(radius, at.b->packed_a + at.l),
                      rb = LANE(gather)(radius, at.b->packed_b + at.l);
-    LANE(scale_by_length)
-    (ra + LANE(max)(rb, LANE(splat)(0.0)), LANE(effective_radius)(ra, rb), &k);
+    const size_t first = (size_t)(at.b - w->pairs.block) * PAIR_BLOCK + at.l;
+    double of_disk[LANE_WIDTH]; /* a wall adds no length */
+    LANE(store)(of_disk, rb);
+    for (size_t l = 0; l < LANE_WIDTH; l++)
+      if (w->pairs.b[first + l] >= w->n_disks) of_disk[l] = 0.0;
+    LANE(scale_by_length)(ra + LANE(load)(of_disk), LANE(effective_radius)(ra, rb), &k);
   }
   return k;
 }

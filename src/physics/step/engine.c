@@ -285,6 +285,7 @@ static sd_status build_bodies(engine *e, int threads, sd_messages *messages) {
   if (allocate(e, threads) != SD_OK)
     return sd_fail(messages, SD_ERROR_IO, "out of memory for the system");
   fill_laws(e->model, w);
+  w->n_disks = (int32_t)e->state->n_disks;
   w->dt = e->model->dt;
   w->per_dt = 1.0 / w->dt;
   w->half_dt2 = 0.5 * w->dt * w->dt;

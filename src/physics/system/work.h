@@ -417,7 +417,8 @@ typedef struct work {
   size_t packed_capacity; /* number of rows that `packed` has memory for */
   double max_overlap;     /* largest overlap over the smaller radius (sd_model) */
   double least_limit;     /* overlap limit of the smallest body */
-  double margin;          /* largest gap at which a contact begins or ends (cohesion) */
+  int32_t n_disks;        /* bodies in slots below are disks, the others walls */
+  double margin;          /* largest gap at which a contact begins or ends (cohesion, bonds) */
   /* skin: Verlet margin; moved_limit2: squared displacement at which the list is stale */
   double skin, moved_limit2;
   double list_scale; /* scale of the box (state->box_scale) when the list was built */
