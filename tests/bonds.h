@@ -35,7 +35,7 @@ typedef struct bond_displacement {
 typedef struct tracked_bond {
   uint32_t a, b;
   double radius[2], arm;
-  double phi;             /* direction of the normal, unwrapped */
+  long double phi;        /* direction of the normal, unwrapped */
   bond_displacement made; /* length, lambda and rho when the bond was made */
 } tracked_bond;
 
@@ -45,7 +45,7 @@ HELPER bond_displacement bond_coordinates(sd_simulation *s, tracked_bond *k) {
   k->phi = phi + 2 * M_PI * nearbyint((k->phi - phi) / (2 * M_PI));
   return (bond_displacement){
       hypot(b.x - a.x, b.y - a.y),
-      (double)(k->radius[0] * a.theta + k->radius[1] * b.theta - sum * (long double)k->phi),
+      (double)(k->radius[0] * a.theta + k->radius[1] * b.theta - sum * k->phi),
       (double)(k->arm * (a.theta - b.theta))};
 }
 
