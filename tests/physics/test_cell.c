@@ -1,26 +1,8 @@
 /* test_cell.c: periodic boxes that deform: images that move, closed forms of a lattice, the same cell seen otherwise, the energy
  * budget, stresses that are reached, and the same bits whatever happens on the way. */
-#include "deck_runs.h"
-#include "measure/stress.h"
+#include "stresses.h"
 #include "model/cell.h"
 #include "physics/system/box.h"
-
-/* As the series and `measure` have it. */
-static void stress_of(sd_simulation *sim, double contact[4], double kinetic[4]) {
-  const sd_model *m = sd_simulation_model(sim);
-  frame_data f;
-  configuration c;
-  assert_int_equal(frame_data_of_state(&f, m, sd_simulation_state(sim), NULL), SD_OK);
-  assert_int_equal(configuration_new(&c, m, &f, NULL), SD_OK);
-  const region g = configuration_region(&c, NULL);
-  stress s;
-  assert_int_equal(stress_new(&s, &c, &g, NULL), SD_OK);
-  memcpy(contact, s.contact, sizeof s.contact);
-  memcpy(kinetic, s.kinetic, sizeof s.kinetic);
-  stress_free(&s);
-  configuration_free(&c);
-  frame_data_free(&f);
-}
 
 static sd_model *pair_model(const char *integrator, const char *variant, bool boxed) {
   text t = {0};
