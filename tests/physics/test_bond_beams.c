@@ -32,7 +32,8 @@ static law row_law(const row *b) {
                .bond_extension = 0.1 * b->spacing};
 }
 
-/* velocity: of y and theta of disks 1 to n in turn, or NULL. more: of the last disk; rest: of the deck. */
+/* velocity: of y and theta of disks 1 to n in turn, or NULL. more: of the last disk; rest: of
+ * the deck. */
 static sd_simulation *row_begin(const row *b, const law *l, double dt, const double *velocity,
                                 const char *more, const char *rest) {
   text t = {0};
@@ -55,7 +56,8 @@ static sd_simulation *row_begin(const row *b, const law *l, double dt, const dou
 
 static row row_of(int n, double spacing) { return (row){n, spacing, 3, 0.3, 0.3, 1.7}; }
 
-/* Deflection at the tip P L^3/(3 E I) (1 - 1/(4 n^2)) + P L/(G A), L = n spacing: the row is the beam's trapezoidal rule,
+/* Deflection at the tip P L^3/(3 E I) (1 - 1/(4 n^2)) + P L/(G A), L = n spacing: the row is the
+ * beam's trapezoidal rule,
  * moments act in the middle of bonds. Its angle is the beam's, P L^2/(2 E I). */
 static void bent(void **unused) {
   for (int n = 4; n <= 16; n *= 2) {
@@ -80,13 +82,15 @@ static void bent(void **unused) {
   }
 }
 
-/* Square of the frequencies of the row in rising order, and its modes as y and theta of disks 1 to n. */
+/* Square of the frequencies of the row in rising order, and its modes as y and theta of disks 1
+ * to n. */
 static void row_modes(const row *b, gsl_vector *square, gsl_matrix *modes) {
   const size_t size = 2 * (size_t)b->n;
   const double h = b->spacing, mass[2] = {disk_mass(b), disk_inertia(b)};
   gsl_matrix *k = gsl_matrix_calloc(size, size);
   for (int bond = 0; bond < b->n; bond++) {
-    /* y and theta of both disks; extension of the springs of bending and of shear per unit of them */
+    /* y and theta of both disks; extension of the springs of bending and of shear per unit of
+     * them */
     const double change[2][4] = {{0, -1, 0, 1}, {1 / h, 0.5, -1 / h, 0.5}},
                  stiffness[2] = {row_bending(b) / h, row_shear(b) * h};
     for (int q = 0; q < 4; q++)
@@ -105,7 +109,8 @@ static void row_modes(const row *b, gsl_vector *square, gsl_matrix *modes) {
   gsl_matrix_free(k);
 }
 
-/* Determinant that vanishes at the frequencies of the beam of length L, clamped and free: y' = theta + Q/GA, theta' = M/EI,
+/* Determinant that vanishes at the frequencies of the beam of length L, clamped and free: y' =
+ * theta + Q/GA, theta' = M/EI,
  * M' = -Q - J w^2 theta, Q' = -mu w^2 y, with the rotary inertia J of the disks. */
 static double beam_determinant(const row *b, double L, double w) {
   double a[16] = {0, L, 0, L / row_shear(b), 0, 0, L / row_bending(b), 0}, e[16];
@@ -160,7 +165,8 @@ static double swing(const row *b, int mode, double w, const gsl_matrix *modes) {
   return M_PI * crossings / last / w;
 }
 
-/* The row is a beam that ends half a spacing beyond the last disk's centre: each disk is the mass about it. Its frequencies
+/* The row is a beam that ends half a spacing beyond the last disk's centre: each disk is the mass
+ * about it. Its frequencies
  * approach the beam's by 1/n^2; with the length n spacing, by 1/n. */
 static void swings(void **unused) {
   double error[3][3], short_error[3][3];
@@ -200,7 +206,8 @@ static void swings(void **unused) {
 
 /* --- a triangular lattice --------------------------------------------------------------------- */
 
-/* W = sum over the three directions of (k_n e_nn^2 + k_t e_nt^2)/sqrt(3): the disks do not turn in a uniform strain without
+/* W = sum over the three directions of (k_n e_nn^2 + k_t e_nt^2)/sqrt(3): the disks do not turn in
+ * a uniform strain without
  * rotation, so that k_r does not count. The sheet is isotropic:
  *
  *   nu = (k_n - k_t)/(3 k_n + k_t),  E = 2 sqrt(3) k_n (k_n + k_t)/(3 k_n + k_t)
@@ -266,7 +273,8 @@ static void sheet(void **unused) {
 
 /* --- a chain and a cantilever that break ------------------------------------------------------ */
 
-/* Drives the last disk with a velocity until a bond breaks, and returns what its spring of tension (or shear) pulls then. */
+/* Drives the last disk with a velocity until a bond breaks, and returns what its spring of
+ * tension (or shear) pulls then. */
 static double drive_until_break(const row *b, const law *l, const char *coordinate, double speed,
                                 const char *gravity, int mode) {
   char rest[400];

@@ -71,7 +71,8 @@ static double gap_of(sd_simulation *s, const couple *c) {
   return hypot(b.x - a.x, b.y - a.y) - (c->radius[0] + c->radius[1] + c->gap);
 }
 
-/* mu u'' = -(k_n + bond_k_n) u + k_n overlap, while the surfaces touch; the contact's spring only where there is an overlap. */
+/* mu u'' = -(k_n + bond_k_n) u + k_n overlap, while the surfaces touch; the contact's spring
+ * only where there is an overlap. */
 static void tension(void **unused) {
   double worst = 0, resid = 0;
   for (int n = 0; n < COUPLES; n++)
@@ -101,7 +102,8 @@ static void tension(void **unused) {
   SYSTEM_NEAR(resid, 0, 2e-6, "residual of tension");
 }
 
-/* Solves q'' = -A K q of lambda and rho, from q = 0 with the rates `rate`: q(t) by the modes of the symmetric K^1/2 A K^1/2. */
+/* Solves q'' = -A K q of lambda and rho, from q = 0 with the rates `rate`: q(t) by the modes of
+ * the symmetric K^1/2 A K^1/2. */
 static void shear_and_bend(const double A[3], const double k[2], const double rate[2], double t,
                            double q[2]) {
   const double a = k[0] * A[0], b = sqrt(k[0] * k[1]) * A[1], c = k[1] * A[2],
@@ -116,8 +118,9 @@ static void shear_and_bend(const double A[3], const double k[2], const double ra
   }
 }
 
-/* lambda'' = -(1/mu lever^p + R_a^2/I_a + R_b^2/I_b) k_t lambda - ..., small motions; lever (R_a + R_b)/r, p = 2, paper: 1.
- * touches: 1: the springs of a sticking contact act beside the bond, 2: they do not (bond_alone). */
+/* lambda'' = -(lever^p/mu + R_a^2/I_a + R_b^2/I_b) k_t lambda + ... for small motions, with lever =
+ * (R_a + R_b)/r and p = 2, in the paper's variant 1. touches: 1: the springs of a sticking contact
+ * act beside the bond, 2: they do not (bond_alone). */
 static double shear_bend_error(const couple *c, int mode, int touches, double *residual) {
   double k[3];
   law l = couple_law(c, mode & 4, k);
@@ -200,7 +203,8 @@ static sd_simulation *driven(const law *l, const double radius[2], double gap, i
   return s;
 }
 
-/* Loads of tension, shear and bending over their strength, as the law says, and their sum that counts. */
+/* Loads of tension, shear and bending over their strength, as the law says, and their sum that
+ * counts. */
 typedef struct loads {
   double pulled, sheared, bent, total;
 } loads;
@@ -265,7 +269,8 @@ static law strong_law(uint64_t *seed, int form) {
   return l;
 }
 
-/* Number of a run's first step in which its bond is overloaded; checks that it breaks there, how, and with which energy. Returns how. */
+/* Number of a run's first step in which its bond is overloaded; checks that it breaks there,
+ * how, and with which energy. Returns how. */
 static int breaks_when_overloaded(uint64_t *seed, int n, double *energy_error) {
   const law l = strong_law(seed, n % 3);
   const double radius[2] = {drawn(seed, 0.2, 0.6), drawn(seed, 0.2, 0.6)};
@@ -320,7 +325,8 @@ static void overloads(void **unused) {
 
 enum { WIDE = 40, LATTICE = WIDE * WIDE, LATTICE_BONDS = 2 * WIDE * (WIDE - 1) };
 
-/* Strength factors of the bonds of a square lattice, by their bodies: [lower number][0: right, 1: above]. turned: the lattice
+/* Strength factors of the bonds of a square lattice, by their bodies: [lower number][0: right, 1:
+ * above]. turned: the lattice
  * lies mirrored, and far away. */
 static void lattice_strengths(double modulus, int64_t seed, int threads, bool turned,
                               double strength[LATTICE][2]) {
@@ -351,7 +357,8 @@ static int by_size(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Largest distance of the distribution of n numbers from P(s) = 1 - exp(-s^modulus), times sqrt(n): 1.63 at a level of 1 %. */
+/* Largest distance of the distribution of n numbers from P(s) = 1 - exp(-s^modulus), times
+ * sqrt(n): 1.63 at a level of 1 %. */
 static double kolmogorov(double *s, int n, double modulus) {
   double worst = 0;
   qsort(s, (size_t)n, sizeof *s, by_size);
@@ -362,7 +369,8 @@ static double kolmogorov(double *s, int n, double modulus) {
   return worst * sqrt(n);
 }
 
-/* Correlation of exp(-s^modulus), which is even between 0 and 1, of bonds that share a disk; its error is 1/sqrt(n). */
+/* Correlation of exp(-s^modulus), which is even between 0 and 1, of bonds that share a disk; its
+ * error is 1/sqrt(n). */
 static double neighbours(double strength[LATTICE][2], double modulus, int step, int one, int two) {
   double sum = 0;
   int n = 0;

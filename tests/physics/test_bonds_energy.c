@@ -89,7 +89,8 @@ static double springs_of(const law *l, const bond_displacement *u) {
   return 0.5 * (l->bond_k_n * u->n * u->n + l->bond_k_t * u->t * u->t + l->bond_k_r * u->r * u->r);
 }
 
-/* What a run with breaks shows: the largest residual; by how much the energy of its broken bonds is off what the springs
+/* What a run with breaks shows: the largest residual; by how much the energy of its broken bonds
+ * is off what the springs
  * held by positions, over that; breaks by mode. */
 typedef struct breaking {
   double residual, off;
@@ -289,7 +290,8 @@ static sd_simulation *bouncing(const law *l, double dt, bool clump) {
   return laws_begin(&t, false);
 }
 
-/* Largest distance of a disk, or of a point at its edge as it turns, from where the clump has it. */
+/* Largest distance of a disk, or of a point at its edge as it turns, from where the clump has
+ * it. */
 static double off_clump(double stiffness, double dt, double time, size_t *touches) {
   law l = elastic;
   l.k_n = 300, l.k_t = 200, l.mu = 0.4, l.gamma_n = 1;
