@@ -101,7 +101,7 @@ def hold_and_release(r, deck):
 def cement(r, deck, keys, **phase):
     """Bonds of all laws, made when the first phase begins."""
     for law in deck["materials"] + deck.get("material_pairs", []):
-        law.update(keys() | {"bond_gap": 3e-3})
+        law.update(keys() | {"bond_gap": 1e-2})
     deck["phases"][0]["bond"] = phase
 
 

@@ -15,7 +15,8 @@ def without(dimension, *names):
 
 
 # Rows of added.py that maps carry; half of the decks have none.
-ADDED = {"bond": tuple(row for row in decks.FEATURES["bond"] if row != "none"),
+BONDS = ("none", *decks.FEATURES["bond"])
+ADDED = {"bond": BONDS[2:],
          "phases": tuple(row for row in decks.FEATURES["phases"] if row != "loads in phases"), "bodies later": ("hold and release",), "bounds": ("report",),
          "also": tuple(name for name in decks.FEATURES["also"] if name not in ("none", "a noisy group"))}
 DEFORMING = "box at rates", "box at stresses", "compress", "compress a box"
@@ -37,9 +38,18 @@ def in_any_frame(looks, n):
     return looks
 
 
+def of_equal_strength(deck):
+    """The deck with bonds whose strength does not depend on the numbers of two bodies."""
+    for law in deck["materials"] + deck.get("material_pairs", []):
+        law.pop("bond_weibull", None)
+    return deck
+
+
 def relate(made, m, steps=300):
     """The map of the deck does the map of what the deck does."""
     deck, kinds, n = made.deck, tuple(watch.SCALES), len(made.deck["disks"])
+    if m.turn < 0 and "container" in deck:
+        of_equal_strength(deck)
     one = [watch.mapped_look(m, seen) for seen in watch.follow(deck, steps, EVERY)]
     other = watch.follow(maps.mapped(m, deck), steps, EVERY)
     if m.turn < 0 and "container" in deck:  # left and right have changed places
@@ -96,7 +106,7 @@ def images(seed):
 
 def order(seed):
     """Disks in another order, and walls: sums are rounded otherwise."""
-    deck = draw(seed, without("motion", "random")).deck
+    deck = of_equal_strength(draw(seed, without("motion", "random")).deck)
     n, walls = len(deck["disks"]), len(deck.get("walls", ()))
     other = copy.deepcopy(deck)
     other["disks"].reverse()
@@ -120,6 +130,8 @@ def phases(seed):
         parts = [{**phase, "steps": steps} for steps in ([phase["steps"]] if goal else (33, 29, phase["steps"] - 62))]
         for part in parts[1:]:  # forces are evaluated anew where disks are held and released
             part.pop("hold", None), part.pop("release", None)
+            if "bond" in part:
+                part["bond"] = {"sinter": part["bond"].get("sinter", False), "begin": False}
         other["phases"] += parts
     watch.same(watch.follow(deck, 300, EVERY), watch.follow(other, 300, EVERY), 0.0, every=EVERY)
 
@@ -155,10 +167,10 @@ ATTRACTIONS = {
 }
 
 
-def zero(seed, cases=None, kinds=tuple(watch.SCALES), unsuited=()):
+def zero(seed, cases=None, kinds=tuple(watch.SCALES), **unsuited):
     """Parts of a law that are zero, or all but zero, and no such parts. Servos take means over the shortest period of all springs."""
     only, keys = list((cases or ZEROS).values())[seed % len(cases or ZEROS)]
-    deck = draw(seed, {**only, **without("motion", "servo")}, also=("moduli", "a pressing lid"), phases=unsuited).deck
+    deck = draw(seed, {**only, **without("motion", "servo")}, also=("moduli", "a pressing lid"), **unsuited).deck
     other = copy.deepcopy(deck)
     for law in other["materials"] + other.get("material_pairs", []):
         law.update({key: law[value] if isinstance(value, str) and value in law else value for key, value in keys.items()})
@@ -167,13 +179,13 @@ def zero(seed, cases=None, kinds=tuple(watch.SCALES), unsuited=()):
 
 def attraction(seed):
     """All but no attraction, and none: touch of pairs that are closed before is touch. Their losses differ by an order of dt, since the
-    way of the step of touch is known where there was a contact before."""
-    zero(seed, ATTRACTIONS, [kind for kind in watch.SCALES if kind != "energy"], ("relax", "settle", *DEFORMING))
+    way of the step of touch is known where there was a contact before; bonds that sinter do so where the contact begins."""
+    zero(seed, ATTRACTIONS, [kind for kind in watch.SCALES if kind != "energy"], phases=("relax", "settle", *DEFORMING), bond=("sinter",))
 
 
 def idle(seed):
     """Things without effect beside a deck without them: fields, gravity, motions, forces of 0, what stands far away."""
-    deck = decks.make(seed, {"field": ("none",), "gravity": ("none",), "box": ("open",),
+    deck = decks.make(seed, {"field": ("none",), "gravity": ("none",), "box": ("open",), "bond": BONDS,
                              "motion": ("none", "push", "spin", "wave", "belt", "lead", "load", "servo", "table")}).deck
     other = copy.deepcopy(deck)
     still = [d["name"] for d in other["disks"] if d.get("fixed")]
@@ -227,7 +239,7 @@ def boost(seed):
     """All that happens in a frame that moves steadily."""
     walls = without("walls", "side")["walls"] if seed % 2 else ("none",)
     deck = decks.make(seed, {"field": ("none",), "walls": walls, "box": ("open",) if seed % 2 else ("open", "x", "y", "xy"),
-                             "bodies": ("free", "held", "inertia", "forces", "clumps"),
+                             "bodies": ("free", "held", "inertia", "forces", "clumps"), "bond": BONDS,
                              **without("motion", "load", "servo")}).deck
     if "motions" in deck or "walls" in deck or any("fixed" in d for d in deck["disks"]):
         for disk in deck["disks"]:  # prescribed bodies have no velocity at step 0 yet: nothing touches them then

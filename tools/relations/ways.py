@@ -48,7 +48,7 @@ def later(seed):
 def forced(seed):
     """Gravity and constant forces of the deck, and the same from a function of the program."""
     deck = decks.make(seed, {"gravity": ("down", "oblique"), "bodies": ("forces", "inertia"), "field": ("none", "drag", "central"),
-                             **without("motion", "load")}).deck
+                             "bond": symmetries.BONDS, **without("motion", "load")}).deck
     other = copy.deepcopy(deck)
     gravity = other.pop("gravity")
     g, tilt = gravity["g"], gravity.get("tilt", 0.0)
@@ -73,7 +73,7 @@ def forced(seed):
 
 def lone(seed):
     """Clumps of one disk each are disks."""
-    deck = decks.make(seed, {"bodies": ("free", "held"), **without("motion", "lead a clump")}).deck
+    deck = decks.make(seed, {"bodies": ("free", "held"), "bond": symmetries.BONDS, **without("motion", "lead a clump")}).deck
     other = copy.deepcopy(deck)
     named = {m.get("disk") for m in other.get("motions", ())}
     other["clumps"] = []
@@ -87,7 +87,7 @@ def lone(seed):
 
 def budget(seed):
     """Energies close, up to what the time step leaves."""
-    deck = decks.make(seed, without("field", "damping")).deck
+    deck = decks.make(seed, {"bond": symmetries.BONDS, **without("field", "damping")}).deck
     sim = watch.simulation(deck)
     watch.advance(sim, 300)
     energy = sim.energy
@@ -100,7 +100,7 @@ def budget(seed):
 
 def loaded(seed):
     """A wall under a load obeys its own equation of motion."""
-    made = decks.make(seed, {"motion": ("load",), **without("walls", "none", "pillar", "hump")})
+    made = decks.make(seed, {"motion": ("load",), "bond": symmetries.BONDS, **without("walls", "none", "pillar", "hump")})
     deck = made.deck
     motion = deck["motions"][0]
     wall = next(k for k, w in enumerate(deck["walls"]) if w["name"] == motion["wall"])
