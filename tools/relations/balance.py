@@ -1,7 +1,7 @@
 """Momentum and angular momentum at every step: forces from contacts, accelerations from forces, sums over all bodies."""
 import numpy as np
 
-from . import decks, geometry, watch
+from . import decks, geometry, symmetries, watch
 
 STEPS = 90
 NEAR = 1e-9
@@ -202,7 +202,7 @@ def total_of(deck, now):
 
 def balance(seed):
     """Forces on bodies are the sums of those of their contacts; they add up to zero, as do torques; m a is force + fields + gravity."""
-    deck = decks.make(seed).deck
+    deck = decks.make(seed, {"bond": symmetries.BONDS}).deck
     for disk in deck["disks"]:
         disk["mass"] = disk.pop("density") * np.pi * disk["radius"] ** 2
     sim = watch.simulation(deck)

@@ -16,6 +16,7 @@ WRITTEN = 1e-9    # of a force of 1: rounding of tables
 GEAR = 1e-4       # directions of stored positions, forces of predicted ones
 RESTART = 1e-8
 without = symmetries.without
+BONDS = symmetries.BONDS
 
 
 @contextlib.contextmanager
@@ -67,7 +68,7 @@ def table_forces(work, result, n_bodies):
 
 def written(seed):
     """Series of walls, groups and disks, and contacts.csv, have the forces that act in the engine."""
-    made = decks.make(seed)
+    made = decks.make(seed, {"bond": BONDS})
     deck = copy.deepcopy(made.deck)
     steps = 24
     deck["phases"] = [{**phase, "steps": steps // len(deck["phases"])} for phase in deck["phases"]]
@@ -101,7 +102,7 @@ def written(seed):
 
 def stress(seed):
     """A sigma = sum X F over the bodies + sum of the walls' places times the forces on them, at any moment."""
-    made = decks.make(seed, {"walls": ("box",), "box": ("open",), "friction": ("smooth",), "rolling": ("none",), "motion": ("none",),
+    made = decks.make(seed, {"walls": ("box",), "box": ("open",), "bond": BONDS, "friction": ("smooth",), "rolling": ("none",), "motion": ("none",),
                              "integrator": ("verlet",), **without("bodies", "held")})
     deck, (x0, y0, x1, y1) = made.deck, added.in_container(made.deck)
     deck["phases"] = [{"steps": 40}]
@@ -197,7 +198,7 @@ def exported(seed):
 
 def small(seed):
     """A deck of two free disks, which sweeps do side by side."""
-    made = decks.make(seed, {"bodies": ("free", "held", "inertia", "forces"), **without("motion", "load", "servo")})
+    made = decks.make(seed, {"bodies": ("free", "held", "inertia", "forces"), "bond": BONDS, **without("motion", "load", "servo")})
     deck = copy.deepcopy(made.deck)
     led = {m.get("disk") for m in deck.get("motions", ())}
     kept = [d for d in deck["disks"] if d.get("fixed") or d["name"] in led]
@@ -208,7 +209,7 @@ def small(seed):
 
 def lanes(seed):
     """Points of a sweep, several of them side by side, have the bits of single runs."""
-    deck = small(seed)
+    deck = symmetries.of_equal_strength(small(seed))  # each point has a seed of its own
     deck["output"] = {"series": 0}
     speeds = [d["name"] for d in deck["disks"] if "omega" in d][:1]
     if not speeds:

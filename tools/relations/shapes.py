@@ -7,6 +7,8 @@ from . import decks, symmetries, watch
 EVERY = 15
 NEAR = 1e-8
 without = symmetries.without
+BONDS = symmetries.BONDS
+of_equal_strength = symmetries.of_equal_strength
 
 
 def straight(points, **keys):
@@ -77,8 +79,9 @@ def agree(shapes, n):
             raise watch.Wrong(f"{name} beside {names[0]}: {wrong}") from None
 
 
-def flat(seed, names):
-    deck = decks.make(seed, {"walls": ("line",), "box": ("open",), **without("motion", "load", "servo", "random")}).deck
+def flat(seed, names, bonds=("none",)):
+    deck = of_equal_strength(decks.make(seed, {"walls": ("line",), "box": ("open",), "bond": bonds,
+                                               **without("motion", "load", "servo", "random")}).deck)
     wall = deck["walls"][0]
     keys = {name: wall[name] for name in ("pivot", "material") if name in wall}
     shapes = straight(wall["points"], **keys)
@@ -87,7 +90,7 @@ def flat(seed, names):
 
 def straight_walls(seed):
     """A line, a long segment, a polyline of one piece."""
-    flat(seed, ("line", "line through others", "segment", "polyline"))
+    flat(seed, ("line", "line through others", "segment", "polyline"), BONDS)
 
 
 def joined_walls(seed):
@@ -99,9 +102,11 @@ def round_walls(seed):
     """Circles, inside and outside, arcs of a whole turn, a held disk. A belt around an arc runs back on its outer side, that of a
     round wall does not."""
     walls = ("drum", "pillar")[seed % 2]
-    deck = decks.make(seed, {"walls": (walls,), "variant": ("conservative",), "box": ("open", "x") if walls == "pillar" else ("open",),
+    # the length of a beam on a circle that is seen from outside counts its radius, as that of a held disk
+    bonds = BONDS if walls == "drum" else [name for name in BONDS if name != "beams that damp"]
+    deck = decks.make(seed, {"walls": (walls,), "variant": ("conservative",), "bond": bonds, "box": ("open", "x") if walls == "pillar" else ("open",),
                              **without("motion", "load", "servo", "random", *(("belt",) if walls == "pillar" else ()))}).deck
-    wall = deck["walls"][0]
+    wall = of_equal_strength(deck)["walls"][0]
     keys = {"material": wall["material"]} if "material" in wall else {}
     shapes = {name: with_walls(deck, made) for name, made in round_shapes(wall, keys).items()}
     if walls == "pillar":
