@@ -151,7 +151,8 @@ def taken_over(seed):
 
     Without damping that depends on the sign of a velocity, which may be another before and after the corrector."""
     deck = decks.make(seed, {"motion": ("none", "push", "spin", "belt", "lead"), **without("bodies", "clumps"),
-                             **without("field", "damping"), "materials": ("one", "two")}).deck
+                             **without("field", "damping"), "materials": ("one", "two"),
+                             "bond": [name for name in BONDS if name != "sinter"]}).deck
     steps = 60 + seed % 120
     deck = {**deck, "phases": [{"steps": steps}], "output": {"series": 0}}
     seen = watch.follow({**deck, "phases": [{"steps": steps + 20}]}, steps + 20, 1)[steps:]
