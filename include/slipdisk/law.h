@@ -65,12 +65,12 @@ typedef struct sd_contact_law {
   /* Bonds that join two surfaces (docs/laws.md, Bonds). Stiffnesses, force/length, for the changes
    * of gap, lambda and rho since the bond was made, >= 0; all 0: there are no bonds of this law */
   double bond_k_n, bond_k_t, bond_k_r;
-  /* In place of the stiffnesses, a beam of length R_a + R_b: Young's modulus, force/length^2,
+  /* In place of the stiffnesses, a beam of length R_a + R_b: Young's modulus, force/length,
    * Poisson's ratio and width, a length. The width is needed for strengths that are stresses. */
   double bond_E, bond_poisson, bond_width;
   double bond_gamma_n, bond_gamma_t, bond_gamma_r; /* viscosities, force time/length, >= 0 */
   double bond_gap; /* largest gap of the surfaces when a bond is made, >= 0 */
-  /* Strength, >= 0, 0: no limit. As stresses in the beam, force/length^2: tensile strength, cohesion
+  /* Strength, >= 0, 0: no limit. As stresses in the beam, force/length: tensile strength, cohesion
    * and coefficient of internal friction; or as forces, and a bending moment, force length, whose
    * loads are added up. */
   double bond_tension, bond_cohesion, bond_friction;
