@@ -410,4 +410,89 @@ static void weibull(void **unused) {
   }
 }
 
-RUN_TESTS(TEST(tension), TEST(shear_and_bending), TEST(overloads), TEST(weibull))
+/* --- units ------------------------------------------------------------------------------------ */
+
+/* Units of length, mass and time, powers of two: numbers in them differ in their exponents only. */
+typedef struct units {
+  double length, mass, time;
+} units;
+
+/* Number of these units in which a quantity of a deck is one: a text like "force time/length^2". */
+static double unit_of(const char *words, const units *u) {
+  double factor = 1, power = 1;
+  for (const char *word = words; *word;) {
+    const size_t n = strcspn(word, " /^");
+    const double one = strncmp(word, "force", n) == 0    ? u->length * u->mass / (u->time * u->time)
+                       : strncmp(word, "length", n) == 0 ? u->length
+                       : strncmp(word, "time", n) == 0   ? u->time
+                                                         : 1;
+    word += n;
+    int times = 1;
+    if (*word == '^') times = (int)strtol(word + 1, (char **)&word, 10);
+    factor *= pow(one, power * times);
+    if (*word == '/') power = -1;
+    word += *word != 0;
+  }
+  return factor;
+}
+
+/* The law in other units, by the units that the table of keys gives. */
+static law law_in(const law *l, const units *u) {
+  law other = *l;
+  const deck_key *key;
+  for (size_t k = 0; (key = deck_key_at(&law_table, k)); k++)
+    if (key->target == DECK_SETS_NUMBER)
+      *(double *)((char *)&other + key->offset) *= unit_of(key->unit, u);
+  return other;
+}
+
+/* Two bonded disks fly apart and turn; with dashpots, up to a break. */
+static sd_simulation *torn(const law *l, const units *u, int i) {
+  const couple c = {false,
+                    {0.5 * u->length, 0.3 * u->length},
+                    {0.9 * u->mass, 0.4 * u->mass},
+                    0.0625 * u->length};
+  const double v = 0.1 * u->length / u->time;
+  const double velocity[2][3] = {{-0.2 * v, 0.1 * v, 0.2 / u->time},
+                                 {0.1 * v, -0.15 * v, -0.1 / u->time}};
+  return bonded(&c, l, (sd_integrator)i, SD_CONSERVATIVE, 2e-4 * u->time, velocity);
+}
+
+/* The same bits but for the exponents: all keys of bonds have the units that the docs say. */
+static void other_units(void **unused) {
+  uint64_t seed = 3;
+  const units one = {1, 1, 1}, other = {8, 0.25, 2};
+  size_t breaks = 0;
+  for (int n = 0; n < 24; n++) {
+    law l = strong_law(&seed, n % 3);
+    if (n % 4 == 3) {
+      l.bond_E = 2 * l.bond_k_n, l.bond_poisson = 0.25;
+      l.bond_k_n = l.bond_k_t = l.bond_k_r = 0;
+    }
+    l.bond_gamma_n = 0.3, l.bond_gamma_t = 0.2, l.bond_gamma_r = 0.1;
+    const law scaled = law_in(&l, &other);
+    sd_simulation *a = torn(&l, &one, n % 2), *b = torn(&scaled, &other, n % 2);
+    system_advance(a, 2000);
+    system_advance(b, 2000);
+    const sd_state *p = sd_simulation_state(a), *q = sd_simulation_state(b);
+    const double energy = other.mass * other.length * other.length / (other.time * other.time);
+    assert_int_equal(p->n_breaks, q->n_breaks);
+    breaks += p->n_breaks;
+    for (size_t k = 0; k < p->n_breaks; k++) {
+      assert_int_equal(p->break_step[k], q->break_step[k]);
+      assert_int_equal(p->break_mode[k], q->break_mode[k]);
+      SYSTEM_NEAR(q->break_energy[k], energy * p->break_energy[k], 0, "energy of a broken bond");
+    }
+    for (uint32_t k = 0; k < 2; k++) {
+      const system_body x = system_at(a, k), y = system_at(b, k);
+      SYSTEM_NEAR(y.x, other.length * x.x, 0, "place");
+      SYSTEM_NEAR((double)y.theta, (double)x.theta, 0, "angle");
+    }
+    system_end(a);
+    system_end(b);
+  }
+  print_message("24 pairs in other units: %zu bonds break in the same steps\n", breaks);
+  assert_true(breaks > 8 && breaks < 24);
+}
+
+RUN_TESTS(TEST(tension), TEST(shear_and_bending), TEST(overloads), TEST(weibull), TEST(other_units))
