@@ -1,8 +1,8 @@
 """Pictures of results and sweeps: `slipdisk plot`, and functions for notebooks; docs/plots.md.
 
 page(path)                       the picture that fits the file, as a matplotlib Figure
-rotation, spin, configurations, energy_budget, energies, energy_residual, compression, stress, strain, shear, walls, flow, paths,
-series, contact_forces, contact_loop, map, network, forces, gr, profile, means, curve
+rotation, spin, configurations, energy_budget, energies, energy_residual, compression, stress, strain, shear, walls, breaks, flow, paths,
+series, contact_forces, contact_loop, map, network, bonds, forces, gr, profile, means, curve
                                  one of them into axes of your own: slipdisk.plot.map(result, ax=axes, color="spin")
 """
 from __future__ import annotations
@@ -19,9 +19,9 @@ import numpy as np
 from . import library as lib
 from . import plot_style as style
 from .arguments import checked
-from .plot_packing import forces, gr, map, means, network, profile  # noqa: A004
+from .plot_packing import bonds, forces, gr, map, means, network, profile  # noqa: A004
 from .plot_scene import extent
-from .plot_series import (compression, configurations, contact_forces, contact_loop, energies, energy_budget, energy_residual, flow,
+from .plot_series import (breaks, compression, configurations, contact_forces, contact_loop, energies, energy_budget, energy_residual, flow,
                           paths, rotation, series, shear, spin, strain, stress, walls, within)
 from .plot_source import QUANTITIES, Source, lacks_shear, lacks_stress, usual_quantity
 from .plot_sweep import Curves, curve, list_of, theory
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from .plot_source import Drawable
 
-__all__ = ["KINDS", "Source", "compression", "configurations", "contact_forces", "contact_loop", "curve", "energies", "energy_budget",
+__all__ = ["KINDS", "Source", "bonds", "breaks", "compression", "configurations", "contact_forces", "contact_loop", "curve", "energies", "energy_budget",
            "energy_residual", "flow", "forces", "gr", "map", "means", "network", "page", "paths", "profile", "rotation", "series", "shear",
            "spin", "strain", "stress", "walls"]
 
@@ -96,6 +96,20 @@ def _out(source):
     return lacks or (None if source.series["outside"].max() > 0 else "shows disks that left the bounds: none has")
 
 
+def _bonded(source):
+    if source.breaks is None:
+        return "needs bonds: bond = { ... } in a phase of the deck"
+    if _framed(source):
+        return _framed(source)
+    return None if any(source.pulls(k) is not None for k in range(source.n_frames)) else "needs contact tables at frames: set contacts in the phase"
+
+
+def _broken(source):
+    if source.breaks is None:
+        return "needs bonds: bond = { ... } in a phase of the deck"
+    return None if len(source.breaks["time"]) else "shows broken bonds: none has broken"
+
+
 def _mean_disks(source):
     return QUANTITIES["omega"].lacks(source)
 
@@ -157,6 +171,10 @@ def _contact(source, o):
     return [[lambda ax: contact_forces(source, ax, time=o.time), lambda ax: contact_loop(source, ax, time=o.time)]], 10.0, 4.0
 
 
+def _breaks(source, o):
+    return [[lambda ax: breaks(source, ax, time=o.time)], [lambda ax: breaks(source, ax, time=o.time, of="energy")]], 6.0, 6.0
+
+
 def _walls(source, o):
     return [[lambda ax: walls(source, ax, time=o.time)], [lambda ax: walls(source, ax, time=o.time, component="tangential")]], 6.0, 6.0
 
@@ -171,6 +189,8 @@ KINDS = {kind.name: kind for kind in (
     Kind("paths", "paths of the disks", _moving, _one(paths, 5.5, 5.0, time="time")),
     Kind("map", "disks coloured by a quantity (--color)", _framed, _scene(map, 1.0, "color", "first", "region")),
     Kind("network", "contacts as lines as wide as their force", _filled, _scene(network, 0.0, "region")),
+    Kind("bonds", "bonds as bars coloured by their force, and where bonds have broken", _bonded, _scene(bonds, 1.0, "region")),
+    Kind("breaks", "broken bonds and their energy in time, by tension, shear and bending", _broken, _breaks),
     Kind("forces", "distribution of the contact forces", _filled, _one(forces, 5.0, 4.0, frame="frame")),
     Kind("gr", "pair correlation function", _filled, _one(gr, 5.0, 4.0, frame="frame")),
     Kind("profile", "packing fraction, contacts and rotation over height", _filled, _profile),

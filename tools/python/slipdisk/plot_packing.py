@@ -64,6 +64,18 @@ def network(result: Drawable, ax: Axes | None = None, *, frame: int | None = Non
     return ax
 
 
+@checked
+def bonds(result: Drawable, ax: Axes | None = None, *, frame: int | None = None, region: Sequence[float] | None = None) -> Axes:
+    """Bonds of a frame as bars coloured by their force, tension positive; crosses where bonds have broken so far."""
+    source, ax = Source.of(result), axes_of(ax)
+    k = source.frame_number(frame)
+    scene = Scene(source, ax, [k], bonds=True, plain=True, marks=False, region=region).show(k)
+    ax.figure.colorbar(scene.forces, cax=ax.inset_axes([1.03, 0, 0.035, 1]), extend="both",
+                       label=label("force of a bond, tension > 0", source.result.attribute("contacts/bond_pull", "unit")))
+    _named(ax, source, k)
+    return ax
+
+
 # --- distributions ------------------------------------------------------------------------------------------------------
 def _merged(values, m):
     """Means of each m neighbours."""

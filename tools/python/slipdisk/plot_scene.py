@@ -98,8 +98,8 @@ def points_per_length(ax):
 class Scene:
     """Disks of a result in `ax`, coloured by a quantity; `show(k)` moves all to frame k."""
 
-    def __init__(self, source, ax, ks, color=None, network=False, first=0, marks=None, plain=False, region=None):
-        self.source, self.ax, self.first, self.network = Source.of(source), ax, first, network
+    def __init__(self, source, ax, ks, color=None, network=False, first=0, marks=None, plain=False, region=None, bonds=False):
+        self.source, self.ax, self.first, self.network, self.bonds = Source.of(source), ax, first, network, bonds
         self.one = None if plain else quantity(self.source, color)
         ax.set_xlim(*(reach := extent(self.source, ks, region))[0])
         ax.set_ylim(*reach[1])
@@ -119,7 +119,8 @@ class Scene:
         self.marks = marks
         self.walls = LineCollection([], colors=style.ink(), linewidths=1.3, zorder=1, capstyle="butt")
         self.forces = LineCollection([], zorder=4, capstyle="round")
-        self.moving = [self.walls, self.disks, self.radii, self.forces]
+        self.cracks = Line2D([], [], color=crack_colour(), ls="none", marker="x", zorder=5)
+        self.moving = [self.walls, self.disks, self.radii, self.forces, self.cracks]
         for artist in self.moving:
             ax.add_artist(artist)
         self.mean_force = None
@@ -134,6 +135,7 @@ class Scene:
         self.with_marks = size > 5 if self.marks is None else self.marks
         self.disks.set_linewidths(edge)
         self.radii.set_linewidth(max(edge, 0.3))
+        self.cracks.set(markersize=float(np.clip(0.5 * size, 3, 8)), markeredgewidth=float(np.clip(0.1 * size, 0.8, 1.5)))
 
     def show(self, k):
         """Moves all to frame k."""
@@ -169,7 +171,19 @@ class Scene:
         self.walls.set_segments(self._wall_lines(k))
         if self.network:
             self._show_forces(k)
+        if self.bonds:
+            self._show_bonds(k)
+        if source.breaks:
+            self._show_breaks(k)
         return self
+
+    def _show_breaks(self, k):
+        """Crosses where bonds have broken since the frame before; with `bonds` since the start."""
+        breaks, times = self.source.breaks, self.source.frame_times
+        shown = breaks["time"] <= times[k] * (1 + 1e-12)
+        if not self.bonds:
+            shown &= breaks["time"] > (times[k - 1] if k else -np.inf)
+        self.cracks.set_data(breaks["x"][shown], breaks["y"][shown])
 
     def _wall_lines(self, k):
         (x0, x1), (y0, y1) = self.ax.get_xlim(), self.ax.get_ylim()
@@ -199,19 +213,38 @@ class Scene:
 
     def _show_forces(self, k):
         """Lines from centre to contact, as wide as the normal force."""
-        source, table = self.source, self.source.measured(k)["contacts"]
+        table = self.source.measured(k)["contacts"]
         force = table["force"]
         bearing = force > 0
         if self.mean_force is None and bearing.any():
             self.mean_force = float(force[bearing].mean())
+        width = np.clip(force / (self.mean_force or 1.0) * self.line, 0, 0.5 * self.thick)
+        lines, rows = self._halves(k, bearing)
+        slides = (np.nan_to_num(table["sliding"]) * np.nan_to_num(table["tau"]))[rows] != 0
+        self.forces.set_segments(lines)
+        self.forces.set_linewidths(width[rows])
+        self.forces.set_colors(np.where(slides[:, None], sliding_colour(), stuck_colour()) if len(slides) else [])
+
+    def _show_bonds(self, k):
+        """Bars from centre to centre, coloured by the forces of the bonds."""
+        pulls = self.source.pulls(k)
+        lines, rows = self._halves(k, np.isfinite(pulls))
+        if self.forces.get_array() is None:
+            top = float(np.percentile(np.abs(pulls[rows]), 98)) if len(rows) else 0.0
+            self.forces.set(norm=Normalize(-(top or 1.0), top or 1.0), cmap=style.DIVERGING, linewidths=2 * self.line)
+        self.forces.set_segments(lines)
+        self.forces.set_array(pulls[rows])
+
+    def _halves(self, k, which):
+        """(lines, rows): of `which` of the measured contacts of frame k a line from each centre to the point of contact, and its row."""
+        source, table = self.source, self.source.measured(k)["contacts"]
         point = np.column_stack([table["x"], table["y"]])
         n, place = len(source.radius), source.place(k)
-        lower, edges, periodic = source.box_at(k)
-        lines, widths, slides = [], [], []
-        width = np.clip(force / (self.mean_force or 1.0) * self.line, 0, 0.5 * self.thick)
+        _, edges, periodic = source.box_at(k)
+        lines, found = [], []
         for column in ("a", "b"):
             body = table[column].astype(int)
-            own = bearing & (body < n)
+            own = np.flatnonzero(which & (body < n))
             centre, end = place[body[own]], point[own]
             for axis in np.flatnonzero(periodic)[::-1]:
                 rows = np.round((end - centre)[:, axis] / edges[axis])
@@ -219,12 +252,8 @@ class Scene:
                 if axis == 1:
                     end[:, 0] -= source.offset_at(k) * rows
             lines.append(np.stack([centre, end], axis=1))
-            widths.append(width[own])
-            slides.append((np.nan_to_num(table["sliding"]) * np.nan_to_num(table["tau"]))[own] != 0)
-        slides = np.concatenate(slides)
-        self.forces.set_segments(np.concatenate(lines))
-        self.forces.set_linewidths(np.concatenate(widths))
-        self.forces.set_colors(np.where(slides[:, None], sliding_colour(), stuck_colour()) if len(slides) else [])
+            found.append(own)
+        return np.concatenate(lines), np.concatenate(found)
 
     @property
     def mappable(self):
@@ -254,3 +283,7 @@ def stuck_colour():
 
 def sliding_colour():
     return np.array(to_rgba("#D55E00"))
+
+
+def crack_colour():
+    return np.array(to_rgba("#CC0000"))

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .plot_source import Drawable
 
 CONFIGURATIONS = {"pp": "$S^{++}$", "pm": "$S^{+-}$", "mp": "$S^{-+}$", "mm": "$S^{--}$", "stick": "stick", "open": "open"}
+MODES = {1: "tension", 2: "shear", 3: "bending"}
 
 
 def within(times, span):
@@ -412,6 +413,26 @@ def flow(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | Non
         ax.plot(t[steady], rate * t[steady] + start, color=style.colour(1), ls="--", label=f"{rate:.4g} per time, between 10 and 80 %")
     time_axis(ax, source, t[keep], time)
     ax.set_ylabel(f"disks outside the bounds (of {n})")
+    style.legend(ax, loc="best")
+    return ax
+
+
+# --- bonds ------------------------------------------------------------------------------------------------------------
+@checked
+def breaks(result: Drawable, ax: Axes | None = None, *, time: Sequence[float | None] | None = None, of: str = "count") -> Axes:
+    """Bonds that have broken, by the largest of their loads, cumulated in time: their number, or the energy that they held
+    (of = "energy")."""
+    source, ax = Source.of(result), axes_of(ax)
+    rows = source.breaks
+    t = source.series["time"] if "time" in source.series else rows["time"]
+    t = t[within(t, time)]
+    for k, (mode, text) in enumerate(MODES.items()):
+        own = rows["mode"] == mode
+        if own.any():
+            sums = np.concatenate([[0], np.cumsum(rows["energy"][own]) if of == "energy" else np.arange(1, own.sum() + 1)])
+            ax.plot(t, sums[np.searchsorted(rows["time"][own], t * (1 + 1e-12), side="right")], color=style.colour(k), label=text, gid=f"mode {mode}")
+    time_axis(ax, source, t, time)
+    ax.set_ylabel(label("energy of broken bonds", source.result.attribute("state/break_energy", "unit")) if of == "energy" else "broken bonds")
     style.legend(ax, loc="best")
     return ax
 

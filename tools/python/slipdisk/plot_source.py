@@ -279,6 +279,28 @@ class Source(Fixed):
             found.append((kind, np.vstack([moved, moved[:1]]) if closed else moved, 0.0, float(angle[i])))
         return found
 
+    # --- bonds ----------------------------------------------------------------------------------------------------
+    @functools.cached_property
+    def breaks(self) -> dict[str, NDArray[Any]] | None:
+        """Columns of the bonds that have broken so far: step, a, b, x, y, mode, energy, and time; None without bonds."""
+        state = self.result.state
+        if "break_step" not in state:
+            return None
+        rows = {name: state[f"break_{name}"] for name in ("step", "a", "b", "x", "y", "mode", "energy")}
+        return {**rows, "time": rows["step"] * self.result.dt}
+
+    def pulls(self, k: int) -> NDArray[np.float64] | None:
+        """Forces of the bonds in the contacts of frame k, in the order of `measured`, tension positive; nan where there is none. None
+        without a contact table of that frame."""
+        tables = self.result.contacts
+        if not len(tables) or "bond" not in tables._names:
+            return None
+        rows = np.flatnonzero(tables.step == self.frames.step[k])
+        if not len(rows):
+            return None
+        table = tables[int(rows[0])]
+        return np.where(table["bond"] > 0, table["bond_pull"], np.nan)
+
     # --- tables of `slipdisk measure` -------------------------------------------------------------------------------
     def _measure(self, words):
         with tempfile.TemporaryDirectory(prefix="slipdisk-plot-") as folder:
