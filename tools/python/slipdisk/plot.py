@@ -216,6 +216,8 @@ def default_kinds(source):
         spins = source.series["angular_velocity"] if "angular_velocity" in source.series else np.zeros(1)
         if not np.abs(spins).max(initial=0) > 0:
             wanted.remove("spin")
+    elif not _broken(source):
+        wanted = ["bonds", "breaks", "map", "energy"]
     elif not lacks_shear(source):
         wanted = ["shear", "map", "network", "forces"]
     elif not _compressed(source) and not (lacks_stress(source) is None and "strain_xx" in source.series):

@@ -191,7 +191,10 @@ def energies(result: Drawable, ax: Axes | None = None, *, time: Sequence[float |
     keep = within(t, time)
     shown = []
     for k, (name, text) in enumerate((("kinetic_translation", "kinetic, translation"), ("kinetic_rotation", "kinetic, rotation"),
-                                      ("elastic_normal", "elastic, normal"), ("elastic_tangential", "elastic, tangential"))):
+                                      ("elastic_normal", "elastic, normal"), ("elastic_tangential", "elastic, tangential"),
+                                      ("elastic_bond", "elastic, bonds"))):
+        if name not in s:
+            continue
         values = s[name][keep]
         if values.max(initial=0) > 0:
             ax.plot(*style.thinned(t[keep], np.where(values > 0, values, np.nan)), lw=0.9, color=style.colour(k), label=text)
