@@ -24,6 +24,9 @@ RUNS = {
                                      "phases[1].time=10", "measure={stress=true; rotation=();}"]),
     "biaxial": ("shear/biaxial.cfg", ["container.width=10", "container.height=10", "packings[0].count=64", "phases[0].time=20",
                                       "phases[1].time=10"]),
+    "cemented": ("bonds/compression.cfg", ["container.width=6", "container.height=12", "packings[0].count=64", "phases.press.time=150",
+                                           "phases.free.time=4", "phases.load.time=15", "motions.down.velocity=-2e-3",
+                                           "motions.up.velocity=2e-3", "phases.load.frames=500", "phases.load.contacts=500"]),
     "hopper": ("packing/hopper.cfg", ["container.width=12", "container.height=30", "phases[0].time=60", "phases[1].time=20"]),
 }
 SWEEP = """sweep = { parameters = (

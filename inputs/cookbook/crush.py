@@ -37,4 +37,4 @@ with look():
             plot.bonds(result, end_axes, frame=-1)
     axes.set(xlabel="strain (1/1000)", ylabel="stress over the strength of the cement")
     count.set_ylabel("broken bonds (dashed)")
-    save(picture, "crush.png", 150)
+    save(picture, "crush.png", 100)

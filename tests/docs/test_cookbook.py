@@ -1,6 +1,6 @@
 """The pages of docs/cookbook, docs/tutorial.md, docs/coming_from.md and README.md are followed to the letter, each in a folder of its own.
 
-Blocks of `sh` are run one after the other; where there is a cookbook, in a copy of inputs/cookbook; those of README.md in a folder
+Blocks of `sh` are run one after the other; where there is a cookbook, in a copy of inputs/cookbook and inputs/bonds; those of README.md in a folder
 with the parts of a clone that has been built. Remarks in the pages, which
 readers do not see, say what is to be found:
 
@@ -33,7 +33,7 @@ import time
 
 ROOT = pathlib.Path(os.environ.get("SLIPDISK_SOURCE_DIR", pathlib.Path(__file__).resolve().parents[2]))
 BUILD = pathlib.Path(os.environ.get("SLIPDISK_BUILD_DIR", ROOT / "build/release"))
-COOKBOOK = ROOT / "inputs/cookbook"
+COOKBOOK, BONDS = ROOT / "inputs/cookbook", ROOT / "inputs/bonds"
 PAGES = [ROOT / "docs/tutorial.md", *sorted((ROOT / "docs/cookbook").glob("*.md")), ROOT / "docs/coming_from.md", ROOT / "README.md"]
 PIECE = re.compile(r"<!-- (?P<key>file|write|test): (?P<value>.*?) -->\n|^```(?P<kind>\w*)\n(?P<body>.*?)^```\n",
                    re.DOTALL | re.MULTILINE)
@@ -82,6 +82,7 @@ class Page:
                 (self.folder / name).symlink_to(ROOT / name)
         else:
             shutil.copytree(COOKBOOK, self.folder)
+            shutil.copytree(BONDS, self.folder, dirs_exist_ok=True)
             shutil.copy(ROOT / "tools/cluster/sweep.sbatch", self.folder)
         self.there = {p.name for p in self.folder.rglob("*")}
         self.goes_on = ""  # a reader of README.md types all its blocks into one shell

@@ -79,7 +79,7 @@ class Kinds(unittest.TestCase):
 
     def test_what_fits(self):
         fits = {"three": "rotation", "shaken": "map", "pressed": "compression", "squeezed": "stress", "hopper": "flow", "two": "paths",
-                "sheared": "shear", "biaxial": "stress"}
+                "sheared": "shear", "biaxial": "stress", "cemented": "bonds"}
         for name, kind in fits.items():
             with self.subTest(name):
                 source = plot.Source(HERE / f"{name}.h5")
@@ -246,6 +246,41 @@ class Data(unittest.TestCase):
         self.assertIn("fast", [text.get_text() for text in ratio.texts])
         with self.assertRaisesRegex(slipdisk.UserError, "needs a periodic box that is sheared"):
             plot.shear(HERE / "biaxial.h5", figure().subplots())
+
+    def test_breaks(self):
+        result = slipdisk.Result(HERE / "cemented.h5")
+        modes, energy = result.rows("breaks/mode"), result.rows("breaks/energy")
+        self.assertGreater(len(modes), 3)
+        for of, sums in (("count", np.bincount(modes, minlength=4)), ("energy", np.bincount(modes, energy, minlength=4))):
+            ax = plot.breaks(result, figure().subplots(), of=of)
+            for mode in (1, 2, 3):
+                drawn = [line.get_ydata() for line in lines(ax, f"mode {mode}")]
+                self.assertEqual(len(drawn), int((modes == mode).any()))
+                for values in drawn:
+                    self.assertAlmostEqual(values[-1], sums[mode], delta=1e-12 * sums[mode])
+                    self.assertTrue((np.diff(values) >= 0).all())
+        with self.assertRaisesRegex(slipdisk.UserError, "needs bonds: bond = "):
+            plot.page(HERE / "shaken.h5", ["breaks"])
+
+    def test_bonds(self):
+        result = slipdisk.Result(HERE / "cemented.h5")
+        source = plot.Source(result)
+        times, n = result.rows("breaks/time"), source.n_frames
+        seen = 0
+        for k in range(n):
+            ax = plot.bonds(source, figure().subplots(), frame=k)
+            table = result.contacts[int(np.flatnonzero(result.contacts.step == source.frames.step[k])[0])]
+            bonded = table[table["bond"] > 0]
+            bars = ax.collections[-1] if len(ax.collections) == 3 else None
+            self.assertEqual(len(bars.get_array()), 2 * len(bonded))  # no wall is bonded: a half from each disk
+            self.assertEqual(sorted(bars.get_array()), sorted([*bonded["bond_pull"], *bonded["bond_pull"]]))
+            crosses, = (line for line in ax.lines if line.get_marker() == "x")
+            self.assertEqual(len(crosses.get_xdata()), (times <= source.frame_times[k] * (1 + 1e-12)).sum())
+            ax = plot.map(source, figure().subplots(), frame=k)
+            crosses, = (line for line in ax.lines if line.get_marker() == "x")
+            seen += len(crosses.get_xdata())
+        self.assertEqual(seen, (times <= source.frame_times[-1] * (1 + 1e-12)).sum())
+        self.assertGreater(seen, 3)
 
     def test_series(self):
         """Every column that --quantity list names is drawn, against time or another one."""

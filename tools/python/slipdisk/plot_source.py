@@ -284,7 +284,7 @@ class Source(Fixed):
     def breaks(self) -> dict[str, NDArray[Any]] | None:
         """Columns of the bonds that have broken so far: step, a, b, x, y, mode, energy, and time; None without bonds."""
         state = self.result.state
-        if "break_step" not in state:
+        if "break_step" not in state or not (len(state["break_step"]) or "bonds" in self.series):
             return None
         rows = {name: state[f"break_{name}"] for name in ("step", "a", "b", "x", "y", "mode", "energy")}
         return {**rows, "time": rows["step"] * self.result.dt}
