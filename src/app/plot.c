@@ -16,8 +16,8 @@
 
 #define QUANTITIES "omega|turned|spin|speed|vx|vy|moved|radius|contacts|pressure|fraction|group"
 #define KINDS                                                                                      \
-  "rotation|spin|configurations|energy|contact|paths|map|network|forces|gr|profile|means|"         \
-  "compression|stress|shear|walls|flow|curve|list"
+  "rotation|spin|configurations|energy|contact|paths|map|network|bonds|breaks|forces|gr|"          \
+  "profile|means|compression|stress|shear|walls|flow|curve|list"
 #define COLOR_HELP                                                                                 \
   "what colours disks; by default omega (means of every disk), else turned (angle between "        \
   "frames), else "                                                                                 \
@@ -65,7 +65,7 @@ const command_line app_plot_line = {
     .offset = offsetof(arguments, file),
     .operands = "FILE|SWEEP",
     .summary = "Draws a result or a sweep: what fits it, or the kinds that are named",
-    .more = "Rotation, sliding, energies, maps, force networks, distributions, profiles, "
+    .more = "Rotation, sliding, energies, maps, force networks, bonds, distributions, profiles, "
             "compression, curves.\n"
             "Needs python3 with numpy, h5py and matplotlib.\n",
     .examples =

@@ -96,7 +96,8 @@ class Decks(Folder):
         def walk(value, key):
             if isinstance(value, dict):
                 for name, item in value.items():
-                    walk(item, name)
+                    if key != "averages":  # its names are those of the deck
+                        walk(item, name)
             elif isinstance(value, tuple):
                 for item in value:
                     walk(item, key)
