@@ -22,7 +22,7 @@ def setUpModule():
     folder = tempfile.TemporaryDirectory()
     unittest.addModuleCleanup(folder.cleanup)
     HERE = pathlib.Path(folder.name)
-    make(HERE, ("shaken", "three"), sweep=False)
+    make(HERE, ("shaken", "three", "cemented"), sweep=False)
 
 
 def probe(path):
@@ -92,6 +92,17 @@ class Films(unittest.TestCase):
         self.addCleanup(setattr, film, "PARALLEL", before)
         self.assertEqual(list(film._all_frames(canvas, ks)), alone)
         self.assertGreater(len(set(alone)), len(ks) // 2)
+
+    def test_each_break_flashes_once(self):
+        source = Source(HERE / "cemented.h5")
+        ks = list(range(1, source.n_frames, 3))
+        canvas, times = film.Canvas(source, ks, "speed", size=(320, 240)), source.breaks["time"]
+        seen = 0
+        for k in ks:
+            canvas.draw(k)
+            seen += len(canvas.scene.cracks.get_xdata())
+        self.assertGreater(seen, 3)
+        self.assertEqual(seen, ((times > source.frame_times[0]) & (times <= source.frame_times[ks[-1]] * (1 + 1e-12))).sum())
 
     def test_mistakes(self):
         for words, said in ((["--frames", "a:b"], "expected a frame"), (["--frames", "1"], "a film needs two frames"),

@@ -77,6 +77,7 @@ class Canvas:
         ax.set(xlim=(x0, x1), ylim=(y0, y1))
         ax.set_aspect("equal")
         self.scene = Scene(source, ax, few, color, network, first=ks[0], region=region)
+        self.scene.before = dict(zip(ks[1:], ks))
         ax.apply_aspect()
         x, y, right, top = ax.get_position().extents
         self.scene.colour_bar(picture.add_axes([x, y - 0.35 / height, right - x, 0.18 / height] if low else

@@ -124,6 +124,7 @@ class Scene:
         for artist in self.moving:
             ax.add_artist(artist)
         self.mean_force = None
+        self.before = {}  # frame shown before another one, if that is not the one before it in the file
         self.resize()
 
     def resize(self):
@@ -182,7 +183,7 @@ class Scene:
         breaks, times = self.source.breaks, self.source.frame_times
         shown = breaks["time"] <= times[k] * (1 + 1e-12)
         if not self.bonds:
-            shown &= breaks["time"] > (times[k - 1] if k else -np.inf)
+            shown &= breaks["time"] > (times[self.before.get(k, k - 1)] if k else -np.inf)
         self.cracks.set_data(breaks["x"][shown], breaks["y"][shown])
 
     def _wall_lines(self, k):
