@@ -412,6 +412,7 @@ static sd_status make_holdable(steering *c) {
 }
 
 static sd_status set_held(steering *c) {
+  motion_store(c->e); /* motion_resume goes on from what the state holds of random motions */
   sd_status status = c->next ? make_holdable(c) : SD_OK;
   for (size_t k = 0; k < c->n && status == SD_OK; k++)
     if (steer_hold(c->e, index_of(c, k), value_of(c, k, 0) != 0.0) != SD_OK)
@@ -563,7 +564,8 @@ static sd_status set_constants(steering *c, bool *built) {
   model_derive_period(m);
   if (!*built) return SD_OK;
   if (c->row->kind == STEER_MOTION) return engine_renew_motions(e, c->messages);
-  *built = engine_renew_laws(e);
+  /* a servo follows the shortest period of the laws */
+  *built = engine_renew_laws(e) && m->shortest_period == 0.0;
   return SD_OK;
 }
 
