@@ -326,7 +326,7 @@ def columns_of_the_series(r, deck):
 
 def measure_sums(deck):
     grouped = any("group" in one for one in deck["disks"] + deck.get("packings", []))
-    deck["measure"] = {**deck.get("measure", {}), "groups": grouped, "box": True, "stress": True, "rattlers": True, "walls": bool(deck.get("walls"))}
+    deck["measure"] = {**deck.get("measure", {}), "groups": grouped, "box": True, "stress": True, "rattlers": True, "fragments": True, "walls": bool(deck.get("walls"))}
 
 
 @added("outputs", "rows")
@@ -365,6 +365,13 @@ def set_laws(r, deck):
     laws = {law["name"]: law for law in deck["materials"]}
     call(deck, r, *(f"set law.{key} {index} {laws[name][key] * r.uniform(0.9, 1.1):.4g}"
                     for index, name in pairs for key in laws[name] if type(laws[name][key]) in (int, float)))
+
+
+@added("calls", "laws of bonds", bond=("springs", "beams that damp", "brittle", "sinter"), **UNBRIDGED)
+def set_laws_of_bonds(r, deck):
+    law = deck["materials"][0]
+    call(deck, r, *(f"set law.{key} 0 {value * r.uniform(0.9, 1.1):.4g}" for key, value in law.items()
+                    if key.startswith("bond_") and type(value) is float))
 
 
 @added("calls", "gravity")
