@@ -6,6 +6,7 @@
     frames.py     frames of each program, and what is compared of them
     timing.py     repeats in alternation, medians and spreads
     bench.py      packings: agreement and time
+    bonds.py      a bonded sheet that is torn, beside the newest LAMMPS
     three.py      one disk on two supports: agreement and time
     accuracy.py   loops and restarts
     laws.py       each contact law of LAMMPS in keys of slipdisk
