@@ -179,6 +179,48 @@ static void shear_and_bending(void **unused) {
   SYSTEM_NEAR(resid, 0, 2e-6, "residual of shear and bending");
 }
 
+/* A heavy disk moves away from a wall of any shape and turns. The beam is as long as the disk's radius. */
+static void beams_at_walls(void **unused) {
+  static const struct {
+    const char *wall;
+    double other; /* radius of the wall, < 0: around the disk; 0: straight */
+  } shapes[] = {{"type = \"line\"; points = ((-9, 0), (9, 0));", 0},
+                {"type = \"circle\"; side = \"outside\"; center = (0, -1.5); radius = 1.5;", 1.5},
+                {"type = \"arc\"; center = (0, -1.5); radius = 1.5; from = -2; to = 3;", 1.5},
+                {"type = \"circle\"; side = \"inside\"; center = (0, 2); radius = 2;", -2},
+                {"type = \"arc\"; center = (0, 2); radius = 2; from = -3; to = 0.5;", -2}};
+  const double R = 0.4, gap = 0.03, E = 500, w = 0.2, nu = 0.25, vy = 0.05, spin = 0.3, time = 0.1;
+  const law l = {.k_n = 1,
+                 .bond_E = E,
+                 .bond_width = w,
+                 .bond_poisson = nu,
+                 .bond_gap = 0.1,
+                 .bond_extension = 0.1};
+  for (int k = 0; k < 5; k++) {
+    const double other = shapes[k].other, arm = other == 0 ? R : R * other / (R + other),
+                 k_n = E * w / R;
+    text t = {0};
+    char more[100];
+    bonds_deck(&t, SD_VERLET, SD_CONSERVATIVE, 1e-4, &l);
+    snprintf(more, sizeof more, "vy = %.17g; omega = %.17g;", vy, spin);
+    text_add(&t, "disks = ( ");
+    bonds_disk(&t, true, (double[]){0, R + gap}, R, 1e9, more);
+    text_add(&t, " );\nwalls = ( { %s } );\nphases = ( { steps = 1e15; bond = {}; } );\n",
+             shapes[k].wall);
+    sd_simulation *s = laws_begin(&t, false);
+    assert_int_equal(bonds_left(s), 1);
+    system_advance(s, 1000);
+    const sd_state *q = sd_simulation_state(s);
+    SYSTEM_NEAR(q->contact_bond_pull[0], k_n * vy * time, 1e-6 * k_n * vy * time,
+                "tension at wall %d", k);
+    SYSTEM_NEAR(q->contact_bond_shear[0], k_n / (2 * (1 + nu)) * R * spin * time,
+                1e-6 * k_n * R * spin * time, "shear at wall %d", k);
+    SYSTEM_NEAR(q->contact_bond_bend[0] * arm, E * w * w * w / 12 / R * spin * time,
+                1e-6 * E * w * w * w * spin * time, "moment at wall %d", k);
+    system_end(s);
+  }
+}
+
 /* --- loads at which bonds break --------------------------------------------------------------- */
 
 /* Disk 1 is driven past disk 0, which is held: all displacements are known. */
@@ -495,4 +537,5 @@ static void other_units(void **unused) {
   assert_true(breaks > 8 && breaks < 24);
 }
 
-RUN_TESTS(TEST(tension), TEST(shear_and_bending), TEST(overloads), TEST(weibull), TEST(other_units))
+RUN_TESTS(TEST(tension), TEST(shear_and_bending), TEST(beams_at_walls), TEST(overloads),
+          TEST(weibull), TEST(other_units))

@@ -102,13 +102,11 @@ def round_walls(seed):
     """Circles, inside and outside, arcs of a whole turn, a held disk. A belt around an arc runs back on its outer side, that of a
     round wall does not."""
     walls = ("drum", "pillar")[seed % 2]
-    # the length of a beam on a circle that is seen from outside counts its radius, as that of a held disk
-    bonds = BONDS if walls == "drum" else [name for name in BONDS if name != "beams that damp"]
-    deck = decks.make(seed, {"walls": (walls,), "variant": ("conservative",), "bond": bonds, "box": ("open", "x") if walls == "pillar" else ("open",),
+    deck = decks.make(seed, {"walls": (walls,), "variant": ("conservative",), "bond": BONDS, "box": ("open", "x") if walls == "pillar" else ("open",),
                              **without("motion", "load", "servo", "random", *(("belt",) if walls == "pillar" else ()))}).deck
     wall = of_equal_strength(deck)["walls"][0]
     keys = {"material": wall["material"]} if "material" in wall else {}
     shapes = {name: with_walls(deck, made) for name, made in round_shapes(wall, keys).items()}
-    if walls == "pillar":
+    if walls == "pillar" and "bond_E" not in deck["materials"][0]:  # the length of a beam counts the radius of a disk, not that of a wall
         shapes["disk"] = with_disk(deck, wall)
     agree(shapes, len(deck["disks"]))
