@@ -179,7 +179,8 @@ static void shear_and_bending(void **unused) {
   SYSTEM_NEAR(resid, 0, 2e-6, "residual of shear and bending");
 }
 
-/* A heavy disk moves away from a wall of any shape and turns. The beam is as long as the disk's radius. */
+/* A heavy disk moves away from a wall of any shape and turns. The beam is as long as the disk's
+ * radius. */
 static void beams_at_walls(void **unused) {
   static const struct {
     const char *wall;

@@ -162,6 +162,71 @@ static void broken(void **unused) {
       }
 }
 
+/* --- beside a contact ------------------------------------------------------------------------- */
+
+/* The surfaces of the cluster touch and part again and again while their bonds last. */
+static sd_simulation *rattling(const law *l, int i, int v, double dt) {
+  uint64_t seed = 8;
+  text t = {0};
+  bonds_deck(&t, (sd_integrator)i, (sd_variant)v, dt, l);
+  text_add(&t, "disks = ( ");
+  for (int k = 0; k < CLUSTER; k++) {
+    const double angle = M_PI / 3 * k, far = k ? 1.0005 : 0;
+    char more[200];
+    snprintf(more, sizeof more, "vx = %.17g; vy = %.17g; omega = %.17g;",
+             0.1 * (next_uniform(&seed) - 0.5), 0.1 * (next_uniform(&seed) - 0.5),
+             next_uniform(&seed) - 0.5);
+    bonds_disk(&t, k == 0, (double[]){far * cos(angle), far * sin(angle)}, 0.5, 0.25, more);
+  }
+  text_add(&t, " );\nphases = ( { steps = 1e15; bond = {}; } );\n");
+  sd_simulation *s = laws_begin(&t, false);
+  assert_int_equal(bonds_left(s), CLUSTER_BONDS);
+  return s;
+}
+
+static void beside_contacts(void **unused) {
+  const law plain = {.k_n = 800,
+                     .k_t = 400,
+                     .mu = 0.3,
+                     .bond_k_n = 300,
+                     .bond_k_t = 200,
+                     .bond_k_r = 150,
+                     .bond_gap = 0.01,
+                     .bond_extension = 0.5};
+  static const char *const kinds[] = {"springs",    "dashpots",  "Mindlin", "rolling resistance",
+                                      "bond_alone", "attraction"};
+  for (int kind = 0; kind < 6; kind++)
+    for (int i = 0; i < 2; i++)
+      for (int v = 0; v < 2; v++) {
+        law l = plain;
+        if (kind == 1) l.gamma_n = 2, l.gamma_t = 1, l.bond_gamma_n = 0.5;
+        if (kind == 2)
+          l.normal = SD_NORMAL_HERTZ, l.tangential = SD_TANGENTIAL_MINDLIN, l.k_n = l.k_t = 2e4;
+        if (kind == 3) l.k_r = 200, l.mu_r = 0.1, l.gamma_r = 0.3;
+        if (kind == 4) l.bond_alone = true;
+        if (kind == 5) l.cohesion = SD_COHESION_CONSTANT, l.pull_off = 0.1, l.range = 0.002;
+        double worst[2] = {0};
+        sd_energy e;
+        for (int half = 0; half < 2; half++) {
+          const double dt = 2e-4 / (1 << half);
+          sd_simulation *s = rattling(&l, i, v, dt);
+          for (int k = 0; k < 50; k++) {
+            system_advance(s, (int64_t)nearbyint(0.04 / dt));
+            worst[half] = fmax(worst[half], relative_residual(s));
+          }
+          e = sd_simulation_energy(s);
+          assert_int_equal(bonds_left(s), CLUSTER_BONDS);
+          system_end(s);
+        }
+        print_message("%s, %s, %s: residual %.1e, %.1e at half the step; friction took %.2f\n",
+                      system_integrators[i], system_variants[v], kinds[kind], worst[0], worst[1],
+                      e.friction / e.start);
+        SYSTEM_NEAR(worst[0], 0, 1e-4, "residual beside contacts");
+        between(worst[0] / worst[1], 3.6, 4.5, "order of the residual");
+        assert_true(l.bond_alone ? e.friction == 0 : e.friction > 0.2 * e.start);
+      }
+}
+
 /* --- thousand turns --------------------------------------------------------------------------- */
 
 enum { SPINNER = 3 };
@@ -325,4 +390,4 @@ static void rigid(void **unused) {
   between(off[0] / off[2], 30, 150, "limit of stiff bonds, 64 times as stiff");
 }
 
-RUN_TESTS(TEST(whole), TEST(broken), TEST(thousand_turns), TEST(rigid))
+RUN_TESTS(TEST(whole), TEST(broken), TEST(beside_contacts), TEST(thousand_turns), TEST(rigid))
