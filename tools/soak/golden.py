@@ -91,6 +91,10 @@ def decks():
             "phases.press.time": 200, "phases.relax.time": 50}, 0.6),
         # random radii and places, arcs of which one moves by a table, and disks in free flight
         Deck("arc", "walls/arc.cfg", {"packings": ARC_PACKING, "motions": ARC_MOTION, "phases[0].time": 1.5}, 0.02),
+        # bonds that bend and break
+        Deck("bonds", "bonds/agglomerate.cfg", {
+            "packings[0].count": 60, "packings[0].x": "(-6, 6)", "packings[0].y": "(-5, 5)", "constants.speed": 0.3,
+            "phases.gather.time": 40, "phases.loose.time": 5, "phases.hit.time": 17, "phases.after.time": 1}, 0.5),
         Deck("carried", "packing/shake_low.cfg", {**SHAKE, "phases.rest.time": 0.03, "packings": "()"}, 0.02, begins="shake"),
     )
 
