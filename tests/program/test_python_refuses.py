@@ -169,6 +169,7 @@ def entries(folder, r, sw):
         "sweep:progress": (lambda s, v: slipdisk.sweep(RATCHET, sw.folder, SWEPT, progress=v), "true None"),
         "Result.__init__:verify": (lambda s, v: slipdisk.Result(r.path, verify=v), "true"),
         "Sweep.__init__:verify": (lambda s, v: slipdisk.Sweep(sw.folder, verify=v), "true"),
+        "Result.fragments:table": (lambda s, v: r.fragments(v), "int negative"),
         "Result.rows:first": (lambda s, v: r.rows("state/x", v), "int"), "Result.rows:last": (lambda s, v: r.rows("state/x", 0, v), "int None"),
         "Result.groups:path": (lambda s, v: r.groups(v), "text"), "Result.datasets:path": (lambda s, v: r.datasets(v), "text"),
         "Result.attribute:name": (lambda s, v: r.attribute("state/x", v), "text"), "Result.table:path": (lambda s, v: r.table(v), "text"),

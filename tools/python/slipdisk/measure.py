@@ -9,12 +9,12 @@ from ctypes import byref
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import library as lib
 from .arguments import ANY, Fixed, array, checked
 from .library import Messages, Record, library, record
-from .tables import copied
+from .tables import copied, structured
 
 REAL, COUNT, FLAG = range(3)  # sd_quantity_kind
 
@@ -119,3 +119,24 @@ def stored(path, frames, region, bins):
         return [measured(library().sd_result_measure, result, k, region=region, bins=bins, messages=messages) for k in frames]
     finally:
         library().sd_result_close(result)
+
+
+def fragments(contacts: NDArray[np.void], numbers: NDArray[Any], masses: NDArray[np.float64]) -> NDArray[np.void]:
+    """Bodies of bonded disks, a structured array, the heaviest first: mass, disks (how many), first (lowest number of them).
+    contacts: a table of contacts; numbers, masses: of the free disks. Walls and prescribed disks join nothing."""
+    parent = {int(k): int(k) for k in numbers}
+
+    def root(k):
+        while parent[k] != k:
+            parent[k] = k = parent[parent[k]]
+        return k
+
+    bonds = contacts[contacts["bond"] > 0] if "bond" in (contacts.dtype.names or ()) else contacts[:0]
+    for a, b in zip(bonds["a"].tolist(), bonds["b"].tolist()):
+        if a in parent and b in parent:
+            low, high = sorted((root(a), root(b)))
+            parent[high] = low
+    first, body = np.unique([root(int(k)) for k in numbers], return_inverse=True)
+    mass = np.bincount(body, masses, minlength=len(first))
+    order = np.lexsort((first, -mass))
+    return structured({"mass": mass[order], "disks": np.bincount(body, minlength=len(first))[order], "first": first[order].astype(np.uint32)})

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from .arguments import Fixed, checked
 from .deck import Deck, deck_values
 from .library import FileError, Record, StrPath, UserError, Whole, unknown, whole
-from .measure import Measurement, stored
+from .measure import Measurement, fragments, stored
 from .notebook import Shown, View, array_html, table_html, view
 from .sealed import Verified
 from .stored import Columns, Contacts, Frames
@@ -393,6 +393,14 @@ class Result(Fixed, Shown):
         order[number[mine]] = np.flatnonzero(mine)
         columns = {name: state[name][order] for name in ("radius", "mass", "inertia", "material", "x", "y", "vx", "vy", "omega")}
         return structured({**columns, "angle": (state["turn"] + state["theta"])[order]})
+
+    @checked
+    def fragments(self, table: Whole = -1) -> NDArray[np.void]:
+        """Bodies of bonded free disks, single disks too, the heaviest first, a structured array: mass, disks, first (lowest number).
+        table: number of a stored contact table, -1 the last one."""
+        state, contacts = self.state, self.contacts[table]
+        free = np.flatnonzero(state["activity"] == 0)
+        return fragments(contacts, state["id"][free], state["mass"][free])
 
     # --- notebooks --------------------------------------------------------------------------------------------------
     @checked

@@ -22,7 +22,7 @@ from .arguments import ANY, Fixed, array, checked, is_number, words
 from .columns import Bodies, Columns, ForceColumns
 from .deck import DiskArrays, deck_text, deck_values, value_text
 from .library import Messages, UserError, library, record
-from .measure import Measurement, measured
+from .measure import Measurement, fragments, measured
 from .notebook import Progress, Shown, table_html
 from .tables import copied, indexed, structured
 
@@ -656,6 +656,13 @@ class Simulation(Fixed, Shown):
         """Contacts, packing fractions, stress, fabric, g(r), forces now, a Measurement: m.z, m.fraction, m.pressure, m.stress.
         region: x0, x1, y0, y1 of the part that counts, else that of the deck; bins: of each histogram."""
         return measured(self._library.sd_simulation_measure, self._pointer, region=region, bins=bins, messages=self._messages)
+
+    @checked
+    def fragments(self) -> NDArray[np.void]:
+        """Bodies of bonded free disks now, single disks too, the heaviest first, a structured array: mass, disks, first (lowest number)."""
+        contacts, columns = self.contacts, self.columns
+        free = np.flatnonzero(columns["activity"] == 0)
+        return fragments(contacts, columns["id"][free], columns["mass"][free])
 
     def _state(self):
         state = self._library.sd_simulation_state(self._pointer)
