@@ -496,8 +496,10 @@ static sd_status get_pieces(const h5_file *head, size_t before, const sd_model *
     status = s ? sd_fail(messages, SD_ERROR_IO, "no memory for %zu contacts", contacts)
                : sd_fail(messages, SD_ERROR_IO, "no memory for the state");
   }
-  if (s) s->n_contacts = status == SD_OK ? contacts : 0;
-  if (status == SD_OK) status = reserve_breaks(head, s, messages);
+  if (s) {
+    s->n_contacts = status == SD_OK ? contacts : 0;
+    if (status == SD_OK) status = reserve_breaks(head, s, messages);
+  }
   for (size_t k = 0; status == SD_OK && k < sd_field_count; k++)
     status = read_column(head, before, n, list, &sd_fields[k], place, s, messages);
   if (status == SD_OK) return SD_OK;
