@@ -226,6 +226,9 @@ static void add_contacts(view_chunk *c, const frame_data *f, view_form form) {
   view_chunk_add(c, "contact_tau", form, SD_F64, f->tau, n, 1);
   view_chunk_add(c, "contact_overlap", form, SD_F64, f->overlap, n, 1);
   view_chunk_add(c, "contact_sliding", VIEW_WHOLE, SD_I32, f->slide, n, 1);
+  bool any = false;
+  for (size_t k = 0; k < n; k++) any = any || f->bond[k] > 0.0;
+  if (any) view_chunk_add(c, "contact_bond", VIEW_SHORT, SD_F64, f->bond, n, 1);
 }
 
 void view_frame(view_chunk *c, const sd_model *m, const frame_data *f, bool shuffle) {

@@ -236,8 +236,17 @@ static void state_contacts(reader *r, const sd_model *m, frame_data *f) {
   };
   for (size_t k = 0; r->status == SD_OK && k < sizeof columns / sizeof *columns; k++)
     r->status = h5_get(r->file, columns[k].path, columns[k].type, n, columns[k].data, r->messages);
-  if (r->status == SD_OK && has_tau && rows_of(r->file, "/state/contact_roll") == n)
-    r->status = h5_get(r->file, "/state/contact_roll", SD_F64, n, f->roll, r->messages);
+  /* columns that the laws of the run, or its version, may lack */
+  const struct {
+    const char *path;
+    double *data;
+  } more[] = {{"/state/contact_roll", f->roll},
+              {"/state/contact_bond", f->bond},
+              {"/state/contact_bond_pull", f->bond_pull},
+              {"/state/contact_bond_shear", f->bond_shear}};
+  for (size_t k = 0; r->status == SD_OK && k < sizeof more / sizeof *more; k++)
+    if (has_tau && h5_exists(r->file, more[k].path) && rows_of(r->file, more[k].path) == n)
+      r->status = h5_get(r->file, more[k].path, SD_F64, n, more[k].data, r->messages);
   for (size_t k = 0; r->status == SD_OK && k < n; k++) {
     if (f->a[k] >= m->n_disks || f->b[k] >= sd_model_bodies(m))
       r->status = sd_fail(r->messages, SD_ERROR_IO, "the contacts of the state are damaged");

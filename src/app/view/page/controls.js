@@ -368,6 +368,7 @@ class Controls {
       return item;
     };
     box.replaceChildren(line("sticks", THEMES[theme].force), line("slides", THEMES[theme].sliding, true),
+      ...(frame.has("contact_bond") ? [line("bond", THEMES[theme].bond)] : []),
       element("span", `thickness: Fₙ, strong ones ${formatNumber(layers.forceScale, 3)}`, { class: "wide quiet" }));
   }
 

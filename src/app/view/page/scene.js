@@ -167,10 +167,10 @@ class Scene {
     for (let k = 0; k + 1 < n + (wall.closed ? 1 : 0); k++) line(pose.points[k], pose.points[(k + 1) % n], 2.5);
   }
 
-  /* A line per contact: between centres, or from the centre to the wall; as thick as its normal force. */
+  /* A line per contact: between centres, or from the centre to the wall; as thick as its normal force. Bonds have a bar behind it. */
   buildForces(frame, box, poses, layers, theme) {
     const a = frame.get("contact_a"), b = frame.get("contact_b"), part = frame.get("contact_part");
-    const force = frame.get("contact_force"), sliding = frame.get("contact_sliding");
+    const force = frame.get("contact_force"), sliding = frame.get("contact_sliding"), bond = frame.get("contact_bond");
     const x = frame.get("x"), y = frame.get("y"), n = this.model.disks;
     const { forces } = this.renderer;
     for (let k = 0; k < a.length; k++) {
@@ -183,6 +183,7 @@ class Scene {
         [dx, dy] = this.between(box, ax, ay, px, py);
       }
       const slides = sliding && sliding[k] !== 0, tone = slides ? theme.sliding : theme.force;
+      if (bond && bond[k] > 0) forces.add(ax, ay, ax + dx, ay + dy, 0.8, 2, 0, ...theme.bond, 1);
       const width = Math.min(force[k] / layers.forceScale, 2.5);
       forces.add(ax, ay, ax + dx, ay + dy, width, slides ? 1.2 : 0.7, slides ? 1 : 0, ...tone, 1);
     }
