@@ -390,4 +390,35 @@ static void rigid(void **unused) {
   between(off[0] / off[2], 30, 150, "limit of stiff bonds, 64 times as stiff");
 }
 
-RUN_TESTS(TEST(whole), TEST(broken), TEST(beside_contacts), TEST(thousand_turns), TEST(rigid))
+/* --- changes on the way ----------------------------------------------------------------------- */
+
+/* A stiffness or a radius changes while bonds hold: the change of the energy is work. */
+static void steered(void **unused) {
+  static const char *const names[] = {"law.bond_k_n", "law.bond_k_t", "law.bond_k_r", "radius"};
+  for (int n = 0; n < 4; n++)
+    for (int i = 0; i < 2; i++) {
+      double worst[2] = {0};
+      for (int half = 0; half < 2; half++) {
+        const double dt = 2e-4 / (1 << half);
+        sd_simulation *s = cluster_of(&elastic, i, SD_CONSERVATIVE, dt, 0.3);
+        sd_model *model = (sd_model *)(uintptr_t)sd_simulation_model(s);
+        for (int k = 0; k < 20; k++) {
+          system_advance(s, (int64_t)nearbyint(0.05 / dt));
+          const double value = n == 3 ? 0.45 + 0.002 * (k % 3) : 300 + 40 * (k % 5);
+          const uint32_t first = 0;
+          sd_messages *m = sd_messages_new();
+          assert_int_equal(sd_simulation_set(s, names[n], 1, &first, &value, m), SD_OK);
+          sd_messages_free(m);
+          worst[half] = fmax(worst[half], relative_residual(s));
+        }
+        end_run(s, model);
+      }
+      print_message("%s steered, %s: residual %.1e, %.1e at half the step\n", names[n],
+                    system_integrators[i], worst[0], worst[1]);
+      SYSTEM_NEAR(worst[0], 0, n == 3 ? 5e-3 : 1e-4, "residual");
+      between(worst[0] / worst[1], 3.6, 4.5, "order of the residual");
+    }
+}
+
+RUN_TESTS(TEST(whole), TEST(broken), TEST(beside_contacts), TEST(thousand_turns), TEST(rigid),
+          TEST(steered))
