@@ -538,5 +538,57 @@ static void other_units(void **unused) {
   assert_true(breaks > 8 && breaks < 24);
 }
 
+/* --- a lattice that is torn ------------------------------------------------------------------- */
+
+/* A lattice that flies apart from its middle. */
+static text tearing(int i, int v, double factor) {
+  const law l = {.k_n = 500,
+                 .k_t = 300,
+                 .mu = 0.4,
+                 .bond_k_n = 400,
+                 .bond_k_t = 200,
+                 .bond_k_r = 200,
+                 .bond_gap = 0.02,
+                 .bond_width = 0.3,
+                 .bond_tension = 20,
+                 .bond_cohesion = 20,
+                 .bond_friction = 0.3,
+                 .bond_weibull = 3};
+  text t = {0};
+  bonds_deck(&t, (sd_integrator)i, (sd_variant)v, 2e-4, &l);
+  text_add(&t, "disk_rows = ( { columns = (\"x\", \"y\", \"vx\", \"vy\", \"omega\"); radius = "
+               "0.495; mass = 1; rows = ( ");
+  for (int k = 0; k < 144; k++) {
+    const double x = k % 12 - 5.5, y = k / 12 - 5.5;
+    text_add(&t, "%s(%g, %g, %.17g, %.17g, 0.3)", k ? ", " : "", x, y, factor * x - 0.3 * y,
+             factor * y + 0.3 * x);
+  }
+  text_add(&t, " ); } );\nphases = ( { steps = 1e15; bond = { sinter = true; }; } );\n");
+  return t;
+}
+
+/* Any number of threads, and a run that goes on from a copy of its state, give the same bits. */
+static void same_breaks(void **unused) {
+  for (int mode = 0; mode < 4; mode++) {
+    text t = tearing(mode % 2, mode / 2, 0.12);
+    sd_model *m = model_of_text(&t);
+    sd_simulation *sim = begin_run(m, 1), *threads = begin_run(m, 3), *copied = begin_run(m, 1);
+    for (int k = 0; k < 8; k++) {
+      advance(sim, 500);
+      advance(threads, 500);
+      advance(copied, 500);
+      copied = go_on_from_copy(copied, k % 2 ? 1 : 2);
+    }
+    const sd_state *s = sd_simulation_state(sim);
+    print_message("lattice: %zu breaks, %zu bonds are left\n", s->n_breaks, bonds_left(sim));
+    assert_true(s->n_breaks > 50 && bonds_left(sim) > 20);
+    same_states(s, sd_simulation_state(threads), "threads");
+    same_states(s, sd_simulation_state(copied), "a copy");
+    sd_simulation_free(threads);
+    sd_simulation_free(copied);
+    end_run(sim, m);
+  }
+}
+
 RUN_TESTS(TEST(tension), TEST(shear_and_bending), TEST(beams_at_walls), TEST(overloads),
-          TEST(weibull), TEST(other_units))
+          TEST(weibull), TEST(same_breaks), TEST(other_units))
