@@ -114,7 +114,8 @@ def by_lammps(program, disks, scale):
 
 def main():
     program = programs.find("lammps_newest") or str(ROOT / "build" / "newest" / "lmp")
-    print("| sheet | strain of the first break | broken of all | the same bonds | as many at | peak force, slipdisk, LAMMPS | off before the first break, at any time |")
+    print("| sheet | strain of the first break | broken of all | the same bonds | as many at | peak force, slipdisk, LAMMPS "
+          "| off before the first break, at any time |")
     print("|---|---:|---:|---|---|---|---|")
     for seed, scale in [(k, 1.0) for k in range(1, 7)] + [(1, 0.5), (1, 0.25), (1, 0.125)]:
         disks = sheet(seed)
@@ -123,8 +124,9 @@ def main():
         first = int(np.argmax(own[:, 1] < own[0, 1]))
         peak, off = own[:, 0].max(), abs(other[:, 0] - own[:, 0]) / abs(own[:, 0]).max()
         together = int((own[:, 1] == other[:, 1]).sum())
-        print(f"| {seed}, {scale:g} | {(first + 1) * EVERY * DT * scale * SPEED / HEIGHT:.5f} | {own[0, 1] - own[-1, 1]:.0f} of {own[0, 1]:.0f} | "
-              f"{'yes' if pairs == others else 'no'} | {together} of {len(own)} | {peak:.4f}, {other[:, 0].max():.4f} | {off[:first].max():.1e}, {off.max():.1e} |", flush=True)
+        strain = (first + 1) * EVERY * DT * scale * SPEED / HEIGHT
+        print(f"| {seed}, {scale:g} | {strain:.5f} | {own[0, 1] - own[-1, 1]:.0f} of {own[0, 1]:.0f} | {'yes' if pairs == others else 'no'} "
+              f"| {together} of {len(own)} | {peak:.4f}, {other[:, 0].max():.4f} | {off[:first].max():.1e}, {off.max():.1e} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,8 @@ def without(dimension, *names):
 # Rows of added.py that maps carry; half of the decks have none.
 BONDS = ("none", *decks.FEATURES["bond"])
 ADDED = {"bond": BONDS[2:],
-         "phases": tuple(row for row in decks.FEATURES["phases"] if row != "loads in phases"), "bodies later": ("hold and release",), "bounds": ("report",),
+         "phases": tuple(row for row in decks.FEATURES["phases"] if row != "loads in phases"),
+         "bodies later": ("hold and release",), "bounds": ("report",),
          "also": tuple(name for name in decks.FEATURES["also"] if name not in ("none", "a noisy group"))}
 DEFORMING = "box at rates", "box at stresses", "compress", "compress a box"
 KINDS = ("angle", "spin", "force", "torque", "energy")  # boxes change about their lower left corner, and so do frames
