@@ -94,7 +94,7 @@ def decks():
         # bonds that bend and break
         Deck("bonds", "bonds/agglomerate.cfg", {
             "packings[0].count": 60, "packings[0].x": "(-6, 6)", "packings[0].y": "(-5, 5)", "constants.speed": 0.3,
-            "phases.gather.time": 40, "phases.loose.time": 5, "phases.hit.time": 17, "phases.after.time": 1}, 0.5),
+            "phases.gather.time": 40, "phases.loose.time": 5, "phases.hit.time": 15, "phases.after.time": 1}, 0.5),
         Deck("carried", "packing/shake_low.cfg", {**SHAKE, "phases.rest.time": 0.03, "packings": "()"}, 0.02, begins="shake"),
     )
 
