@@ -170,11 +170,10 @@ static const char *bond_mistake(const sd_contact_law *law, const char **key, dou
        "it adds to a shear strength; give bond_cohesion or bond_max_shear"},
       {law->bond_weibull > 0 && !(stresses || forces), "bond_weibull", law->bond_weibull,
        "without a strength nothing is distributed; give bond_tension or bond_max_tension"},
-      {any && !(law->bond_tension + law->bond_max_tension + law->bond_extension > 0),
-       "bond_extension", law->bond_extension,
-       "a bond needs a tensile strength or a largest extension, by which its neighbours are "
-       "found; a bond that is not to break gets one that it never reaches, like a tenth of a "
-       "radius"},
+      {any && !(law->bond_tension + law->bond_max_tension + law->bond_extension > 0), any, given,
+       "a bond needs a tensile strength, or the extension at which it breaks, by which its "
+       "neighbours are found; give bond_tension, bond_max_tension or bond_extension (a tenth of a "
+       "radius, for a bond that is not to break)"},
       {any && law->cohesion == SD_COHESION_BRIDGE, any, given,
        "a pair of materials has bonds or capillary bridges, not both"},
       {any && law->cohesion == SD_COHESION_CONSTANT && !(law->range > 0), "range", law->range,
