@@ -1,6 +1,7 @@
 /* bonds.c: implements bonds.h. */
 #include "physics/step/bonds.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 #include "base/comm.h"
@@ -175,7 +176,9 @@ sd_status bonds_broke(engine *e, const event *v) {
   set_row(s, s->n_breaks++,
           &(broken_bond){s->step + 1, one < two ? one : two, one < two ? two : one, v->mode,
                          v->place[0], v->place[1], v->broken});
-  if (e->halo) e->halo->bits |= HALO_BROKE;
+  if (!e->halo) return SD_OK;
+  e->halo->bits |= HALO_BROKE;
+  e->halo->n_broke++;
   return SD_OK;
 }
 
@@ -206,12 +209,14 @@ sd_status bonds_gather(engine *e) {
   sd_state *s = e->state;
   const comm *c = e->halo->comm;
   int *counts = memory_new((size_t)comm_size(c), sizeof *counts);
-  size_t own = 0, n = 0;
-  while (own < s->n_breaks && s->break_step[s->n_breaks - 1 - own] == s->step) own++;
+  const size_t own = e->halo->n_broke;
+  size_t n = 0;
   comm_gather_counts(c, (int)own, counts);
   for (int q = 0; q < comm_size(c); q++) n += (size_t)counts[q];
   broken_bond *mine = memory_new(own + 1, sizeof *mine), *all = memory_new(n + 1, sizeof *all);
+  assert(own <= s->n_breaks);
   s->n_breaks -= own;
+  e->halo->n_broke = 0;
   for (size_t k = 0; k < own; k++) mine[k] = row_at(s, s->n_breaks + k);
   comm_gather(c, mine, all, counts, sizeof *all);
   const sd_status status = comm_agree(c, state_reserve_breaks(s, s->n_breaks + n));

@@ -75,9 +75,10 @@ struct halo {
    * (wrapped), positions of own disks before they were wrapped around the box in this step
    * (shifted). */
   halo_waits rebased, wrapped, shifted;
-  bool lost;     /* true: memory ran out, and a postponed change was lost */
-  unsigned bits; /* bits (HALO_STALE ...) that this rank contributes to the next halo_agree */
-  double waited; /* seconds spent waiting for messages since this member was last set to 0 */
+  bool lost;      /* true: memory ran out, and a postponed change was lost */
+  size_t n_broke; /* last rows of the list of broken bonds, which other ranks do not know yet */
+  unsigned bits;  /* bits (HALO_STALE ...) that this rank contributes to the next halo_agree */
+  double waited;  /* seconds spent waiting for messages since this member was last set to 0 */
 };
 
 /* Bits that are combined over all ranks after each step. They mean that some rank has a stale
