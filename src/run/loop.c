@@ -125,12 +125,19 @@ static sd_status begin_bonds(engine *e, sd_messages *messages) {
   const sd_bonding *b = &e->model->phases[e->state->phase].bond;
   size_t made = 0;
   const sd_status status = comm_agree(e->comm, bonds_begin_phase(e, &made));
-  if (status == SD_OK && b->asked && !b->later && comm_total(e->comm, (double)made) == 0.0)
+  if (status != SD_OK || !b->asked || b->later) return status;
+  const double all = comm_total(e->comm, (double)made);
+  if (all == 0.0)
     sd_warn(
         messages,
         "phases[%lld].bond: no bond is made: no two surfaces that are named, with a law that has "
         "bonds, are within its bond_gap",
         (long long)e->state->phase);
+  else if (all < (double)b->n_pairs)
+    sd_warn(messages,
+            "phases[%lld].bond.file: %.0f of %zu pairs are not bonded: they are farther apart than "
+            "bond_gap, do not move, or have a law without bonds",
+            (long long)e->state->phase, (double)b->n_pairs - all, b->n_pairs);
   return status;
 }
 

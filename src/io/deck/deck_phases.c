@@ -223,8 +223,12 @@ static void read_pairs(deck_group *g, sd_bonding *bond) {
     pairs[k][1] = (uint32_t)b;
   }
   if (n > 1) qsort(pairs, n, sizeof *pairs, by_pair);
+  size_t kept = 0;
+  for (size_t k = 0; k < n; k++)
+    if (kept == 0 || by_pair(pairs[kept - 1], pairs[k]) != 0)
+      memmove(pairs[kept++], pairs[k], sizeof *pairs);
   bond->pairs = (const uint32_t(*)[2])pairs;
-  bond->n_pairs = d->reported > before ? 0 : n;
+  bond->n_pairs = d->reported > before ? 0 : kept;
 }
 
 static bool any_bonds(const sd_model *m) {

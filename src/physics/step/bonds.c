@@ -110,10 +110,9 @@ sd_status bonds_begin_phase(engine *e, size_t *made) {
   if (b->n_between > 0 && !marks) return SD_ERROR_IO;
   if (e->halo) halo_refresh(e, NULL);
   for (size_t k = 0; k < p->count; k++) {
-    if (!bonds_can(e, k) || MORE(p, k, bond) > 0.0) continue;
-    if (!is_meant(b, marks, s->id[p->a[k]], s->id[p->b[k]])) continue;
+    if (!bonds_can(e, k) || !is_meant(b, marks, s->id[p->a[k]], s->id[p->b[k]])) continue;
     bonds_make(e, k);
-    (*made)++;
+    *made += halo_counts(e, k);
   }
   free(marks);
   return SD_OK;

@@ -10,8 +10,8 @@
 void bonds_make(engine *e, size_t pair);
 /* True if pair k is of a law with bonds, in play, and near enough for a bond (bond_gap). */
 bool bonds_can(const engine *e, size_t pair);
-/* Makes the bonds with which the present phase begins (key bond); *made: how many, without those
- * that were there. Collective. SD_ERROR_IO: no memory. */
+/* Makes the bonds with which the present phase begins (key bond); *made: how many pairs
+ * of those that are named are bonded then, on this rank. Collective. SD_ERROR_IO: no memory. */
 sd_status bonds_begin_phase(engine *e, size_t *made);
 /* Bonds pair k, a contact that began in this step, if the present phase says so (bond.sinter). */
 sd_status bonds_sinter(engine *e, size_t pair);
