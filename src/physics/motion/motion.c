@@ -320,8 +320,11 @@ void motion_begin_phase(engine *e) {
   motion_store(e);
   const bool *active = m->phases[s->phase].active;
   list_addends(e, active);
-  /* The values at this step are needed by switch_off. */
-  if (e->work.motions->first < 0) fill(e, s->step);
+  /* switch_off needs the values at this step; those ahead may begin with the next one, if the ranks
+   * have asked for it already (motion_outruns) */
+  motions *q = e->work.motions;
+  if (q->first > s->step) signals_load(e, &q->signals);
+  if (q->first < 0 || q->first > s->step) fill(e, s->step);
   for (size_t k = 0; k < m->n_motions; k++) {
     bool on = s->motion_start[k] >= 0;
     if (on && !active[k]) switch_off(e, k);
