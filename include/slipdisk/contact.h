@@ -27,10 +27,10 @@
     "put in by the paper's tangential force since the contact began")
 
 /* X(name, unit, meaning, laws): further quantities. `laws` is the part of a contact law that needs
- * the quantity: ROLLING, COHESION, BOND, BOND_MADE (set when a bond is made, and when it breaks), or GENERAL for any of these, damping that may pull, kinetic
- * friction, Mindlin's tangential spring or a tangential dashpot. They are 0 unless a law of the
- * model has that part. SD_CONTACT_MEMORY has what the next step needs, SD_CONTACT_LOSSES sums of
- * energies. */
+ * the quantity: ROLLING, COHESION, BOND, BOND_MADE (set when a bond is made, and when it
+ * breaks), or GENERAL for any of these, damping that may pull, kinetic friction, Mindlin's
+ * tangential spring or a tangential dashpot. They are 0 unless a law of the model has that part.
+ * SD_CONTACT_MEMORY has what the next step needs, SD_CONTACT_LOSSES sums of energies. */
 #define SD_CONTACT_MEMORY(X)                                                                       \
   X(tau, "force", "tangential force, spring and dashpot", GENERAL)                                 \
   X(pull, "force", "attraction, by which the normal force is smaller", COHESION)                   \

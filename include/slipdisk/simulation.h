@@ -125,8 +125,8 @@ SD_API sd_status sd_simulation_remove_disks(sd_simulation *simulation, size_t n,
 
 /* Bonds n pairs of bodies between two steps, by their numbers or SD_WALL(w): two surfaces whose gap
  * is at most bond_gap of their law. A bond carries no force when it is made. Pairs that are bonded
- * already stay as they are. Returns SD_ERROR_USER, with nothing changed, if a pair cannot be bonded.
- * SD_ERROR_IO: no memory. */
+ * already stay as they are. Returns SD_ERROR_USER, with nothing changed, if a pair cannot be
+ * bonded. SD_ERROR_IO: no memory. */
 SD_API sd_status sd_simulation_bond(sd_simulation *simulation, size_t n, const uint32_t (*pairs)[2],
                                     sd_messages *messages);
 

@@ -56,8 +56,8 @@ typedef struct stress {
    * prescribed disk */
   size_t n_contacts, n_bearing, n_wall;
   size_t n_sliding;
-  /* bonds of the whole configuration; bodies of bonded free disks, single disks and clumps included,
-   * and the mass of the heaviest */
+  /* bonds of the whole configuration; bodies of bonded free disks, single disks and clumps
+   * included, and the mass of the heaviest */
   size_t n_bonds, fragments;
   double largest_fragment;
   /* coordination: mean number of closed and of load-bearing contacts per free disk */

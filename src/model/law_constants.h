@@ -24,7 +24,8 @@ static inline bool law_is_constant(const sd_contact_law *l) {
   return l->cohesion == SD_COHESION_CONSTANT;
 }
 
-/* Section modulus of a bond per unit depth, width^2/6: its bending strength over the tensile one. */
+/* Section modulus of a bond per unit depth, width^2/6: its bending strength over the tensile
+ * one. */
 static inline double law_beam(const sd_contact_law *l) {
   return l->bond_width * l->bond_width / 6.0;
 }

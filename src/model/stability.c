@@ -4,9 +4,10 @@
  * gamma_n/m along the normal, and w^2 = 2 k_t (1/m + R^2/I), c = 2 gamma_t (1/m + R^2/I) along
  * the tangent; rolling resistance at both supports adds 2 k_r R^2/I to this w^2 and
  * 2 (gamma_r + drag_r) R^2/I to this c. Bonds add their stiffnesses and viscosities. A stiffness
- * that depends on the overlap is taken at 0.01 R, one that depends on R_eff at R, which is that of a
- * straight wall; a beam at the length 2 R. Both integrators use the velocity predicted from the old acceleration. An eigenvalue of their step passes -1,
- * and the motion blows up within a few steps, beyond
+ * that depends on the overlap is taken at 0.01 R, one that depends on R_eff at R, which is that of
+ * a straight wall; a beam at the length 2 R. Both integrators use the velocity predicted from the
+ * old acceleration. An eigenvalue of their step passes -1, and the motion blows up within a few
+ * steps, beyond
  *
  *   a (w dt)^2 + b c dt = 1        Verlet: a = 1/4,   b = 1
  *                                  Gear:   a = 47/30, b = 551/90

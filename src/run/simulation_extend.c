@@ -159,8 +159,8 @@ sd_status sd_simulation_remove_disks(sd_simulation *sim, size_t n, const uint32_
   return status;
 }
 
-/* Increases the numbers of walls by n in motions, watched contacts and bonds, since walls are numbered
- * after the disks. first: number of the first wall. */
+/* Increases the numbers of walls by n in motions, watched contacts and bonds, since walls are
+ * numbered after the disks. first: number of the first wall. */
 static void shift_walls(sd_model *m, uint32_t first, uint32_t n) {
   for (size_t k = 0; k < m->n_motions; k++) {
     sd_motion *q = &m->motions[k];

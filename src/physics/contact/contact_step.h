@@ -10,7 +10,8 @@
  *
  * Further parts of a law (law_tangential.h, law_rolling.h, law_bond.h, law_radius.h,
  * model/law_cohesion.h) are evaluated if their bit is set in `features` (model/law_features.h). In
- * passes over plain laws features is the constant 0; in passes over general laws it is the same number for all pairs.
+ * passes over plain laws features is the constant 0; in passes over general laws it is the same
+ * number for all pairs.
  *
  * lambda is measured from the contact's reference direction e: lambda = arc - sum * turned, with
  * arc = R_a th_a + R_b th_b and turned = angle from e to n. After a step with |sin(turned)| >

@@ -2,7 +2,7 @@
  * once per LANE_WIDTH.
  *
  *   U     = k_n u_n^2/2 + k_t u_t^2/2 + k_r u_r^2/2
- *   u_n   = gap - gap_0, u_t = lambda - lambda_0, u_r = rho - rho_0: changes since the bond was made
+ *   u_n   = gap - gap_0, u_t = lambda - lambda_0, u_r = rho - rho_0, since the bond was made
  *   pull  = k_n u_n + gamma_n du_n/dt, and likewise shear and bend
  *   force on the contact: F_n - pull, tau - shear, roll - bend
  *
@@ -14,9 +14,9 @@
  *   tension + shear + bending >= bond  loads_add: the strengths are forces
  *   u_n >= bond_extension
  *
- * holds for the forces of its springs; each load is divided by its strength. The step's force on the
- * bodies is then without it. What its springs held, with the work that they do in this last step, is
- * the loss `broken`. */
+ * holds for the forces of its springs; each load is divided by its strength. The step's force on
+ * the bodies is then without it. What its springs held, with the work that they do in this last
+ * step, is the loss `broken`. */
 
 /* Ways in which a bond breaks: the largest of its loads. */
 #ifndef LAW_BOND_COMMON

@@ -261,8 +261,8 @@ LANE_INLINE void LANE(turning)(const work *w, LANE(location) at, const unsigned 
   (of_a[PACKED_RADIUS], of_b[PACKED_RADIUS], of_a[PACKED_ARC], of_b[PACKED_ARC], spin_a, spin_b, g);
 }
 
-/* Sets at[] to the middle of the gap or overlap of pair k, as the bodies are evaluated in this step.
- * It is measured from the body with the lower number, so that it is the same on all ranks. */
+/* Sets at[] to the middle of the gap or overlap of pair k, as the bodies are evaluated in this
+ * step. It is measured from the body with the lower number, so that it is the same on all ranks. */
 static inline void LANE(place_of)(const engine *e, size_t k, double at[2]) {
   const work *w = &e->work;
   const sd_state *s = e->state;

@@ -301,10 +301,9 @@ static double energy_on(const engine *e, size_t k, const sd_contact_record *r) {
 /* Moves the record of a closed contact from pair `from` to pair `to`, through joint j.
  * lambda_ref is adjusted so that lambda - lambda* stays the same, although the arc length
  * differs on the two segments (its sign changes if they run in opposite directions). rho_ref is
- * adjusted so that the rolling displacement stays the same if R_eff changes; likewise the references
- * of a bond. If the stiffness
- * depends on R_eff, the elastic energy changes at the joint of an arc; the difference counts as
- * viscous loss. */
+ * adjusted so that the rolling displacement stays the same if R_eff changes; likewise the
+ * references of a bond. If the stiffness depends on R_eff, the elastic energy changes at the
+ * joint of an arc; the difference counts as viscous loss. */
 static void move_contact(engine *e, size_t from, size_t to, const joint *j) {
   const sd_state *s = e->state;
   pairs *p = &e->work.pairs;
