@@ -278,8 +278,7 @@ typedef struct sd_bonding {
   /* numbers of the bodies between which bonds are made (SD_WALL(w) for walls); none: all */
   size_t n_between;
   const uint32_t *between;
-  /* pairs of bodies to be bonded when the phase begins, sorted, the lower number of each pair
-   * first; none: all pairs of the bodies above */
+  /* pairs of bodies to be bonded when the phase begins; none: all pairs of the bodies above */
   size_t n_pairs;
   const uint32_t (*pairs)[2];
 } sd_bonding;

@@ -397,7 +397,7 @@ typedef struct massive {
 } massive;
 
 /* Computes number and largest mass of the bodies of bonded disks. Collective. */
-static sd_status take_fragments(resultants *r, const part *p) {
+static void take_fragments(resultants *r, const part *p) {
   const sd_state *s = p->state;
   const size_t n_nodes = p->model->n_disks;
   size_t n_edges = 0, n_disks = 0;
@@ -430,7 +430,6 @@ static sd_status take_fragments(resultants *r, const part *p) {
   free(root);
   free(mass);
   free(place);
-  return SD_OK;
 }
 
 /* --- forces of contacts ----------------------------------------------------------------------- */
@@ -524,7 +523,7 @@ sd_status resultants_compute(resultants *r, const sd_model *m, const sd_state *s
   if (m->measure_groups || m->measure_box || m->measure_stress || m->measure_rattlers)
     status = take_geometry(r, &p, messages);
   add_up(&p, r->sums, r->n_sums);
-  if (status == SD_OK && m->measure_fragments) status = take_fragments(r, &p);
+  if (status == SD_OK && m->measure_fragments) take_fragments(r, &p);
   if (status == SD_OK) round_all(r, &p);
   return status;
 }

@@ -204,6 +204,22 @@ static void check_holds(const sd_model *m, sd_messages *msg) {
     }
 }
 
+/* Reports phases that bond bodies that do not exist, or one with itself. */
+static void check_bonds(const sd_model *m, sd_messages *msg) {
+  for (size_t k = 0; k < m->n_phases; k++) {
+    const sd_bonding *b = &m->phases[k].bond;
+    bool exist = b->n_between == 0 || b->between[b->n_between - 1] < sd_model_bodies(m);
+    bool itself = false;
+    for (size_t n = 0; n < b->n_pairs; n++) {
+      exist = exist && b->pairs[n][1] < sd_model_bodies(m);
+      itself = itself || b->pairs[n][0] == b->pairs[n][1];
+    }
+    if (!exist || itself)
+      fail_about(msg, about_path("phases[%zu].bond", k), "%s",
+                 exist ? "a bond of a body with itself" : "a body that does not exist");
+  }
+}
+
 /* Reports contacts restored from a file whose body numbers do not exist. */
 static void check_memories(const sd_model *m, sd_messages *msg) {
   for (size_t k = 0; k < m->n_memories; k++) {
@@ -519,6 +535,7 @@ static void check_all(const sd_model *m, sd_messages *msg) {
   check_rains(m, msg);
   check_settle(m, msg);
   check_holds(m, msg);
+  check_bonds(m, msg);
   check_bounds(m, msg);
   check_memories(m, msg);
   check_watches(m, msg);

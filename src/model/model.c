@@ -528,6 +528,36 @@ static void give_stream(sd_model *m, size_t k) {
     q->stream = stream_number(thing, index, ordinal, q->coordinate);
 }
 
+int model_by_number(const void *one, const void *two) {
+  const uint32_t p = *(const uint32_t *)one, q = *(const uint32_t *)two;
+  return p < q ? -1 : p > q;
+}
+
+int model_by_pair(const void *one, const void *two) {
+  const uint32_t *p = one, *q = two;
+  if (p[0] != q[0]) return p[0] < q[0] ? -1 : 1;
+  return p[1] < q[1] ? -1 : p[1] > q[1];
+}
+
+/* Converts the bodies of a phase's bonds to numbers, sorts them, and leaves out repeated pairs. */
+static void complete_bonds(const sd_model *m, sd_bonding *b) {
+  uint32_t *between = (uint32_t *)(uintptr_t)b->between;
+  uint32_t(*pairs)[2] = (uint32_t(*)[2])(uintptr_t)b->pairs;
+  size_t kept = 0;
+  for (size_t n = 0; n < b->n_between; n++) between[n] = body_number(m, between[n]);
+  if (b->n_between > 1) qsort(between, b->n_between, sizeof *between, model_by_number);
+  for (size_t n = 0; n < b->n_pairs; n++) {
+    const uint32_t one = body_number(m, pairs[n][0]), two = body_number(m, pairs[n][1]);
+    pairs[n][0] = one < two ? one : two;
+    pairs[n][1] = one < two ? two : one;
+  }
+  if (b->n_pairs > 1) qsort(pairs, b->n_pairs, sizeof *pairs, model_by_pair);
+  for (size_t n = 0; n < b->n_pairs; n++)
+    if (kept == 0 || model_by_pair(pairs[kept - 1], pairs[n]) != 0)
+      memmove(pairs[kept++], pairs[n], sizeof *pairs);
+  b->n_pairs = kept;
+}
+
 void model_complete(sd_model *m) {
   const sd_phase endless = {.name = "run",
                             .measure = m->n_rotations || m->n_slides || m->measure_disks};
@@ -540,11 +570,7 @@ void model_complete(sd_model *m) {
     for (int side = 0; side < 2; side++) q->beside[side] = body_number(m, q->beside[side]);
     give_stream(m, k);
   }
-  for (size_t k = 0; k < m->n_phases; k++) {
-    const sd_bonding *b = &m->phases[k].bond;
-    uint32_t *between = (uint32_t *)(uintptr_t)b->between;
-    for (size_t n = 0; n < b->n_between; n++) between[n] = body_number(m, between[n]);
-  }
+  for (size_t k = 0; k < m->n_phases; k++) complete_bonds(m, &m->phases[k].bond);
   for (size_t k = 0; k < m->n_slides; k++)
     for (int side = 0; side < 2; side++)
       m->slides[k].partner[side] = body_number(m, m->slides[k].partner[side]);

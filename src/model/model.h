@@ -334,6 +334,10 @@ double arc_distance(const sd_wall *arc, const double at[2]);
 
 /* Returns the flags LAW_... (law_features.h) of the parts that any contact law of the model has. */
 unsigned laws_features(const sd_model *model);
+/* Orders of numbers, and of pairs of numbers, for qsort and bsearch; those of sd_bonding are
+ * sorted so in a finished model. */
+int model_by_number(const void *one, const void *two);
+int model_by_pair(const void *one, const void *two);
 /* True if no pair of materials has friction: k_t > 0 and mu > 0. */
 bool laws_frictionless(const sd_model *model);
 

@@ -174,6 +174,8 @@ static void shift_walls(sd_model *m, uint32_t first, uint32_t n) {
     const sd_bonding *q = &m->phases[k].bond;
     uint32_t *between = (uint32_t *)(uintptr_t)q->between;
     for (size_t b = 0; b < q->n_between; b++) between[b] += between[b] >= first ? n : 0;
+    uint32_t *joined = (uint32_t *)(uintptr_t)q->pairs;
+    for (size_t b = 0; b < 2 * q->n_pairs; b++) joined[b] += joined[b] >= first ? n : 0;
   }
 }
 

@@ -344,8 +344,53 @@ static void a_floor_feels_removed_disks_no_more(void **state) {
   }
 }
 
+/* Pairs in any order, and each once or twice; bodies that are not there, or a body with itself. */
+static void bonds_of_a_program_are_checked(void **state) {
+  const sd_contact_law bonds = {
+      .k_n = 1e3, .bond_k_n = 1e3, .bond_gap = 0.1, .bond_extension = 0.1};
+  const uint32_t many[4][2] = {{3, 2}, {1, 0}, {2, 3}, {SD_WALL(0), 1}}, beyond[1][2] = {{0, 9}},
+                 self[1][2] = {{2, 2}}, bodies[3] = {SD_WALL(0), 2, 1}, none[1] = {77};
+  double points[2][2] = {{0, -0.5}, {1, -0.5}};
+  const struct {
+    sd_bonding bond;
+    size_t made; /* 0: refused */
+  } tries[] = {{{.n_pairs = 4, .pairs = many}, 3},
+               {{.n_between = 3, .between = bodies}, 3},
+               {{.n_pairs = 1, .pairs = beyond}, 0},
+               {{.n_pairs = 1, .pairs = self}, 0},
+               {{.n_between = 1, .between = none}, 0}};
+  for (size_t t = 0; t < sizeof tries / sizeof *tries; t++) {
+    sd_model *m = sd_model_new();
+    sd_messages *messages = sd_messages_new();
+    sd_phase phase = {.steps = 10, .bond = tries[t].bond};
+    phase.bond.asked = true;
+    sd_model_set(m, "dt", 1e-4);
+    sd_model_add_material(m, "m", &bonds);
+    for (int k = 0; k < 4; k++)
+      sd_model_add_disk(m, &(sd_disk){.position = {k, 0}, .radius = 0.5, .mass = 1});
+    sd_model_add_wall(m, &(sd_wall){.n_points = 2, .points = points});
+    sd_model_add_phase(m, &phase);
+    if (tries[t].made == 0) {
+      assert_int_equal(sd_model_finish(m, messages), SD_ERROR_USER);
+      assert_true(told(messages, tries[t].bond.pairs == self ? "with itself" : "does not exist"));
+      sd_model_free(m);
+    } else {
+      sd_simulation *sim = begin(m);
+      size_t made = 0;
+      const sd_state *s = sd_simulation_state(sim);
+      sd_column bond;
+      assert_true(sd_simulation_column(sim, "contact_bond", &bond));
+      assert_non_null(s);
+      for (size_t k = 0; k < bond.n; k++) made += ((const double *)bond.data)[k] > 0;
+      assert_int_equal(made, tries[t].made);
+      end(sim, m);
+    }
+    sd_messages_free(messages);
+  }
+}
+
 RUN_TESTS(TEST(what_cannot_be_is_told), TEST(a_copy_keeps_the_mistakes),
           TEST(a_model_that_was_changed_is_finished_again), TEST(numbers_of_nothing_are_answered),
           TEST(an_observer_has_a_list_of_its_own), TEST(disks_are_added_inside_the_compressed_box),
           TEST(warnings_of_a_model_are_not_repeated), TEST(advice_needs_no_names),
-          TEST(a_floor_feels_removed_disks_no_more))
+          TEST(a_floor_feels_removed_disks_no_more), TEST(bonds_of_a_program_are_checked))

@@ -194,13 +194,7 @@ static void read_cell(deck_group *g, sd_cell *cell) {
   deck_fill(&c, cell);
 }
 
-static int by_pair(const void *one, const void *two) {
-  const uint32_t *p = one, *q = two;
-  if (p[0] != q[0]) return p[0] < q[0] ? -1 : 1;
-  return p[1] < q[1] ? -1 : p[1] > q[1];
-}
-
-/* Reads the pairs of disks in a file, and sorts them. */
+/* Reads the pairs of disks in a file. */
 static void read_pairs(deck_group *g, sd_bonding *bond) {
   static const char *const names[2] = {"a", "b"};
   deck *d = g->d;
@@ -212,23 +206,19 @@ static void read_pairs(deck_group *g, sd_bonding *bond) {
   if (n == 0) deck_fail(d, file, "it names no pair; expected rows with the numbers of two disks");
   uint32_t(*pairs)[2] = memory_new(n + 1, sizeof *pairs);
   for (size_t k = 0; k < n && d->reported == before; k++) {
-    const double a = math_min(column[0][k], column[1][k]), b = math_max(column[0][k], column[1][k]);
-    if (!(a >= 0 && b < (double)d->model->n_disks && a == floor(a) && b == floor(b)))
-      deck_fail(d, file, "row %zu: disks %g and %g; expected two numbers from 0 to %zu", k + 1,
-                column[0][k], column[1][k], d->model->n_disks - 1);
+    const double a = column[0][k], b = column[1][k];
+    const double disks = (double)d->model->n_disks;
+    if (!(a >= 0 && b >= 0 && a < disks && b < disks && a == floor(a) && b == floor(b)))
+      deck_fail(d, file, "row %zu: disks %g and %g; expected two numbers from 0 to %zu", k + 1, a,
+                b, d->model->n_disks - 1);
     else if (a == b)
       deck_fail(d, file, "row %zu: a bond of disk %g with itself", k + 1, a);
     if (d->reported > before) break;
     pairs[k][0] = (uint32_t)a;
     pairs[k][1] = (uint32_t)b;
   }
-  if (n > 1) qsort(pairs, n, sizeof *pairs, by_pair);
-  size_t kept = 0;
-  for (size_t k = 0; k < n; k++)
-    if (kept == 0 || by_pair(pairs[kept - 1], pairs[k]) != 0)
-      memmove(pairs[kept++], pairs[k], sizeof *pairs);
   bond->pairs = (const uint32_t(*)[2])pairs;
-  bond->n_pairs = d->reported > before ? 0 : kept;
+  bond->n_pairs = d->reported > before ? 0 : n;
 }
 
 static bool any_bonds(const sd_model *m) {

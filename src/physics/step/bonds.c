@@ -75,30 +75,15 @@ bool bonds_can(const engine *e, size_t k) {
   return -contact_geometry_of(e, k).overlap <= law_of(e, k)->bond_gap;
 }
 
-/* Marks the listed bodies, by number. Returns NULL if no body is listed, or without memory. */
-static bool *marks_of(const sd_model *m, const sd_bonding *b) {
-  bool *marks = NULL;
-  if (b->n_between == 0 || !memory_row(&marks, sd_model_bodies(m), sizeof *marks)) return NULL;
-  for (size_t n = 0; n < b->n_between; n++) marks[b->between[n]] = true;
-  return marks;
+static bool is_between(const sd_bonding *b, uint32_t body) {
+  return bsearch(&body, b->between, b->n_between, sizeof body, model_by_number) != NULL;
 }
 
-static int by_pair(const void *one, const void *two) {
-  const uint32_t *p = one, *q = two;
-  if (p[0] != q[0]) return p[0] < q[0] ? -1 : 1;
-  return p[1] < q[1] ? -1 : p[1] > q[1];
-}
-
-/* True if the phase's list of pairs has these two bodies; it is sorted, the lower number first. */
-static bool is_listed(const sd_bonding *b, uint32_t one, uint32_t two) {
+/* True if the phase bonds these two bodies. */
+static bool is_meant(const sd_bonding *b, uint32_t one, uint32_t two) {
   const uint32_t key[2] = {one < two ? one : two, one < two ? two : one};
-  return bsearch(key, b->pairs, b->n_pairs, sizeof key, by_pair) != NULL;
-}
-
-/* True if the phase bonds these two bodies. marks: see marks_of. */
-static bool is_meant(const sd_bonding *b, const bool *marks, uint32_t one, uint32_t two) {
-  if (b->n_pairs > 0) return is_listed(b, one, two);
-  return !marks || (marks[one] && marks[two]);
+  if (b->n_pairs > 0) return bsearch(key, b->pairs, b->n_pairs, sizeof key, model_by_pair) != NULL;
+  return b->n_between == 0 || (is_between(b, one) && is_between(b, two));
 }
 
 sd_status bonds_begin_phase(engine *e, size_t *made) {
@@ -106,15 +91,12 @@ sd_status bonds_begin_phase(engine *e, size_t *made) {
   const pairs *p = &e->work.pairs;
   const sd_bonding *b = &e->model->phases[s->phase].bond;
   if (!b->asked || b->later || !(e->work.features & LAW_BOND)) return SD_OK;
-  bool *marks = marks_of(e->model, b);
-  if (b->n_between > 0 && !marks) return SD_ERROR_IO;
   if (e->halo) halo_refresh(e, NULL);
   for (size_t k = 0; k < p->count; k++) {
-    if (!bonds_can(e, k) || !is_meant(b, marks, s->id[p->a[k]], s->id[p->b[k]])) continue;
+    if (!bonds_can(e, k) || !is_meant(b, s->id[p->a[k]], s->id[p->b[k]])) continue;
     bonds_make(e, k);
     *made += halo_counts(e, k);
   }
-  free(marks);
   return SD_OK;
 }
 
@@ -123,14 +105,7 @@ sd_status bonds_sinter(engine *e, size_t k) {
   const pairs *p = &e->work.pairs;
   const sd_bonding *b = &e->model->phases[s->phase].bond;
   if (!(e->work.features & LAW_BOND) || !b->sinter || !law_bonds(law_of(e, k))) return SD_OK;
-  if (b->n_between > 0) {
-    bool found[2] = {false, false};
-    for (size_t n = 0; n < b->n_between; n++) {
-      found[0] |= b->between[n] == s->id[p->a[k]];
-      found[1] |= b->between[n] == s->id[p->b[k]];
-    }
-    if (!found[0] || !found[1]) return SD_OK;
-  }
+  if (b->n_pairs == 0 && !is_meant(b, s->id[p->a[k]], s->id[p->b[k]])) return SD_OK;
   if (halo_is_ghost(e, (size_t)p->b[k]))
     return halo_wait_for(&e->halo->rebased, (halo_wait){.index = (uint32_t)k, .bonds = true});
   bonds_make(e, k);
